@@ -75,6 +75,7 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
                            "elastic left Cauchy-Green tensor less the identity, b - I, " + axes});
         return all;
     }
+    static constexpr bool takesHoopRate = true;
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
 
     void stateFromStress(const double stress[9], double* state) const override {
@@ -118,6 +119,11 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
             exx[p] = a + (2 * (g11 + u11) + g11 * (g11 + u11) + g12 * (g12 + u12));
             eyy[p] = c + (2 * (g22 + u22) + g21 * (g21 + u21) + g22 * (g22 + u22));
             exy[p] = b + (g12 + u12 + g21 + u21 + g11 * (g21 + u21) + g12 * (g22 + u22));
+        }
+        double* ezz = points.state[2];
+        for (int p = 0; points.hoopRate && p < count; ++p) {
+            const double g = dt * points.hoopRate[p];
+            ezz[p] += (2 * g + g * g) * (1 + ezz[p]);
         }
     }
 

@@ -38,6 +38,31 @@ template <int Dim> struct MaterialPoints {
     double* stress[9];    // in: at the start of the step; out: at its end
     double* const* state; // state[k][p]: state variable k, see Material::stateVariables
     bool hasFbar;         // whether all particles of a cell take its change of volume
+    // Dim = 3: whether no particle shears along the third axis, and xz, yz, zx, zy are zero (axial symmetry).
+    // Dim = 2: rate of strain along the third axis, 1/s; nullptr: zero (plane strain).
+    bool isRing;
+    const double* hoopRate;
+
+    // The same particles of rings as those of a plane that strain along its third axis.
+    MaterialPoints<2> inPlane() const {
+        MaterialPoints<2> flat{};
+        flat.count = count;
+        flat.dt = dt;
+        flat.time = time;
+        flat.step = step;
+        flat.body = body;
+        flat.id = id;
+        for (int k = 0; k < 2; ++k) flat.position[k] = position[k];
+        for (int k = 0; k < 4; ++k) flat.velocityGradient[k] = velocityGradient[Dim * (k / 2) + k % 2];
+        for (int k = 0; k < 9; ++k) flat.deformationGradient[k] = deformationGradient[k];
+        for (int k = 0; k < 9; ++k) flat.stress[k] = stress[k];
+        flat.volume = volume;
+        flat.initialVolume = initialVolume;
+        flat.state = state;
+        flat.hasFbar = hasFbar;
+        flat.hoopRate = velocityGradient[Dim * Dim - 1];
+        return flat;
+    }
 };
 
 // Mean stress and J2 of particle i, kPa and kPa2, from the upper triangle.
@@ -116,11 +141,15 @@ class MPM_PUBLIC Material : public Configurable {
 
 // Forwards both dimensions to one template text. A law has
 //     template <int Dim> void stress(const MaterialPoints<Dim>&) const
-// and its own of the others where the text here does not suit it.
+// and its own of the others where the text here does not suit it. Where stress<2> knows MaterialPoints::hoopRate
+// (trialStress() does), takesHoopRate = true says so, and rings cost little more than the plane.
 template <class Derived> class MaterialOf : public Material {
   public:
     void update(const MaterialPoints<2>& points) const override { law().template stress<2>(points); }
-    void update(const MaterialPoints<3>& points) const override { law().template stress<3>(points); }
+    void update(const MaterialPoints<3>& points) const override {
+        if (Derived::takesHoopRate && points.isRing) return law().template stress<2>(points.inPlane());
+        law().template stress<3>(points);
+    }
     void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
         law().template findStiffness<2>(points, lambda, mu);
     }
@@ -159,6 +188,8 @@ template <class Derived> class MaterialOf : public Material {
             energy[i] = 0.5 * mean * mean / (energy[i] + 2.0 / 3 * mu[i]) + (J2 > 0 ? 0.5 * J2 / mu[i] : 0);
         }
     }
+
+    static constexpr bool takesHoopRate = false;
 
   private:
     const Derived& law() const { return static_cast<const Derived&>(*this); }

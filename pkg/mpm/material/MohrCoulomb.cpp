@@ -103,6 +103,7 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         for (auto& variable : strength_.stateVariables()) all.push_back(variable);
         return all;
     }
+    static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override {

@@ -216,6 +216,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         for (auto& variable : strength_.stateVariables()) all.push_back(variable);
         return all;
     }
+    static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override {

@@ -13,8 +13,9 @@ namespace {
 inline double shearRate(const MaterialPoints<2>& points, int i) {
     auto L = points.velocityGradient;
     const double mean = 0.5 * (L[0][i] + L[3][i]), half = 0.5 * (L[0][i] - L[3][i]),
-                 shear = 0.5 * (L[1][i] + L[2][i]), radius = std::sqrt(half * half + shear * shear);
-    return std::max(mean + radius, 0.0) - std::min(mean - radius, 0.0);
+                 shear = 0.5 * (L[1][i] + L[2][i]), radius = std::sqrt(half * half + shear * shear),
+                 third = points.hoopRate ? points.hoopRate[i] : 0;
+    return std::max(mean + radius, third) - std::min(mean - radius, third);
 }
 inline double shearRate(const MaterialPoints<3>& points, int i) {
     Symmetric D = 0.5 * plusTransposed(gather(points.velocityGradient, i));
@@ -92,6 +93,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         for (auto& variable : softening_.stateVariables()) all.push_back(variable);
         return all;
     }
+    static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     // Of varying strength without a particle: no stiffness.
     std::array<double, 2> lame() const override { return lameAt(std::isnan(strength_) ? 0 : strength_); }

@@ -14,8 +14,8 @@ namespace mpm {
 template <class At> MPM_INLINE double modulus(const At&, double x) { return x; }
 template <class At> MPM_INLINE auto modulus(const At& at, const double* plane) { return at(plane); }
 
-// Plane strain in closed form. With D2 = det(I + g/2), Cayley-Hamilton gives g (I + g/2)^-1 = (g + det(g)/2
-// I)/D2, and R rotates by the angle whose half has the tangent spin/D2.
+// The plane in closed form, then what strains along its third axis. With D2 = det(I + g/2), Cayley-Hamilton gives
+// g (I + g/2)^-1 = (g + det(g)/2 I)/D2, and R rotates by the angle whose half has the tangent spin/D2.
 template <class Moduli>
 void trialStress(const Moduli& lambdas, const Moduli& mus, const MaterialPoints<2>& points) {
     const double dt = points.dt;
@@ -43,6 +43,14 @@ void trialStress(const Moduli& lambdas, const Moduli& mus, const MaterialPoints<
         at.set(zz, at(zz) + lambda * volumetric);
         at.set(xy, shear0 * cos2 - half0 * sin2 + dShear * cosR - dHalf * sinR);
     });
+    if (!points.hoopRate) return;
+    for (int i = 0; i < points.count; ++i) {
+        const double g = dt * points.hoopRate[i], D = g / (1 + 0.5 * g);
+        const double lambda = modulus(OneNumber{i}, lambdas), mu = modulus(OneNumber{i}, mus);
+        xx[i] += lambda * D;
+        yy[i] += lambda * D;
+        zz[i] += (lambda + 2 * mu) * D;
+    }
 }
 
 struct Midpoint {

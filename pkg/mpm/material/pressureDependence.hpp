@@ -51,6 +51,7 @@ class PressureDependence {
         its.volume += i;
         its.initialVolume += i;
         for (auto& plane : its.velocityGradient) plane += i;
+        if (its.hoopRate) its.hoopRate += i;
         for (auto& plane : its.deformationGradient) plane += i;
         for (auto& plane : its.stress) plane += i;
         for (size_t k = 0; k < state.size(); ++k) state[k] = points.state[k] + i;

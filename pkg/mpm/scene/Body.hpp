@@ -84,6 +84,7 @@ template <int Dim> class Body {
         points.body = name.c_str();
         points.id = particles.id.integers() + begin;
         points.hasFbar = fbar;
+        points.isRing = N > Dim;
         points.volume = particles.volume.plane() + begin;
         points.initialVolume = particles.initialVolume.plane() + begin;
         for (int k = 0; k < N; ++k)

@@ -6,6 +6,11 @@
 
 namespace mpm {
 
+// Whether component (i, j) of a strain is there where N axes strain: with axial symmetry no shear along the third is.
+template <int N, int Dim> constexpr bool isStrained(int i, int j) {
+    return N == Dim || i == j || (i < Dim && j < Dim);
+}
+
 // F <- (I + dt L) F for particles [begin, end), along the N axes that strain. dilation: of tr L, by F-bar: F, and with
 // it the volume of boxes, follow what the stress sees.
 template <bool dilates, int N, int Dim>
@@ -20,12 +25,17 @@ void deform(Particles<Dim>& particles, double dt, int begin, int end, const doub
         double change[N * N];
         for (int i = 0; i < N; ++i)
             for (int j = 0; j < N; ++j) {
+                if (!isStrained<N, Dim>(i, j)) continue;
                 double sum = 0;
-                for (int k = 0; k < N; ++k) sum += L(i, k, p) * F[N * k + j][p];
+                for (int k = 0; k < N; ++k)
+                    if (isStrained<N, Dim>(i, k) && isStrained<N, Dim>(k, j))
+                        sum += L(i, k, p) * F[N * k + j][p];
                 if constexpr (dilates) sum += dilation[p] / N * F[N * i + j][p];
                 change[N * i + j] = dt * sum;
             }
-        for (int c = 0; c < N * N; ++c) F[c][p] += change[c];
+        for (int i = 0; i < N; ++i)
+            for (int j = 0; j < N; ++j)
+                if (isStrained<N, Dim>(i, j)) F[N * i + j][p] += change[N * i + j];
     }
 }
 
@@ -68,19 +78,20 @@ template <int N> void toTraces(const VelocityGradient<N>& L, double dt, int coun
     }
 }
 
-// sigma : L of a particle, sigma symmetric.
-template <int Dim> struct Power {
-    const double *stress[9], *L[Dim * Dim];
+// sigma : L of a particle, sigma symmetric. N axes strain.
+template <int N, int Dim> struct Power {
+    const double *stress[9], *L[N * N];
 
-    explicit Power(const MaterialPoints<Dim>& points) {
+    explicit Power(const MaterialPoints<N>& points) {
         std::copy(points.stress, points.stress + 9, stress);
-        std::copy(points.velocityGradient, points.velocityGradient + Dim * Dim, L);
+        std::copy(points.velocityGradient, points.velocityGradient + N * N, L);
     }
     MPM_INLINE double operator()(int p) const {
         double sum = 0;
         MPM_UNROLL
-        for (int i = 0; i < Dim; ++i) MPM_UNROLL
-        for (int j = 0; j < Dim; ++j) sum += stress[i <= j ? 3 * i + j : 3 * j + i][p] * L[Dim * i + j][p];
+        for (int i = 0; i < N; ++i) MPM_UNROLL
+        for (int j = 0; j < N; ++j)
+            if (isStrained<N, Dim>(i, j)) sum += stress[i <= j ? 3 * i + j : 3 * j + i][p] * L[N * i + j][p];
         return sum;
     }
 };
@@ -128,7 +139,7 @@ double updateStress(Body<Dim>& body, double dt, int begin, int end, double** sta
             for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / N;
             averagedPoints.velocityGradient[(N + 1) * k] = averaged[k];
         }
-    const Power<N> power(isWork ? averagedPoints : points);
+    const Power<N, Dim> power(isWork ? averagedPoints : points);
 #pragma omp simd
     for (int i = 0; i < points.count; ++i) before[i] = power(i);
     body.material->update(averagedPoints);

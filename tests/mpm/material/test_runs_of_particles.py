@@ -112,21 +112,22 @@ MOST, CELLS, DT = 19, 20, 1e-3
 PLACE = np.array([6.3, 5.8, 6.6])
 
 
-def heldNodes(L):
-    """Velocity L (x - PLACE) of all nodes that the particles touch."""
+def heldNodes(L, hoop=0.0):
+    """Velocity L (x - PLACE) of all nodes that the particles touch, and what strains rings there by hoop."""
     dim = len(L)
+    base = np.r_[hoop * PLACE[0], np.zeros(dim - 1)]
     nodes = np.stack(np.meshgrid(*[range(5, 9)] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
     return [
-        mpm.Hold(box(x - 0.01, x + 0.01), tuple(L @ (x - PLACE[:dim])), name=f"node {x}")
+        mpm.Hold(box(x - 0.01, x + 0.01), tuple(base + L @ (x - PLACE[:dim])), name=f"node {x}")
         for x in nodes.astype(float)
     ]
 
 
-def bodies(material, L, stress, most=MOST):
+def bodies(material, L, stress, most=MOST, hoop=None):
     """Bodies of 1 to `most` particles after one step with the gradient L; stress (N, 3, 3) of the
-    particles, None: zero."""
-    dim = len(L)
-    scene = mpm.Scene(lower=np.zeros(dim), upper=np.full(dim, CELLS), cell=1.0, threads=1)
+    particles, None: zero. hoop: v/r round the axis, 1/s; None: no axial symmetry."""
+    dim, isRound = len(L), hoop is not None
+    scene = mpm.Scene(np.zeros(dim), np.full(dim, CELLS), cell=1.0, axisymmetric=isRound, threads=1)
     material = MATERIALS[material]()
     made = []
     for n in range(1, most + 1):
@@ -144,7 +145,7 @@ def bodies(material, L, stress, most=MOST):
         body.position[...] = PLACE[:dim]
         if stress is not None:
             body.stress = stress[: body.count]
-    scene.engines = chain(hold=heldNodes(L))
+    scene.engines = chain(hold=heldNodes(L, hoop or 0.0))
     scene.dt, scene.allowUnstable = DT, True
     scene.run(steps=1, progress=False)
     return made
@@ -218,6 +219,26 @@ def test_plane_strain_is_the_3d_update_in_the_plane(material):
         plane, solid = planeAndSolid(material, seed)
         tolerance = 1e-12 if material == "Sanisand" else 1e-14  # hundreds of parts of a step
         assert np.abs(plane - solid).max() <= tolerance * np.abs(solid).max()
+
+
+def ringAndSolid(material, seed, changed=0.0):
+    """The same of a ring that strains round its axis, too. changed: of that strain, in 3D."""
+    L, stress = randomStep(material, 2, seed)
+    (body,) = bodies(material, L, stress, most=1, hoop=0.5 * L[1, 0])
+    inSpace = np.diag([0, 0, body.hoopRate[0] + changed / DT])
+    inSpace[:2, :2] = body.velocityGradient[0]
+    point = mpm.MaterialPoint(MATERIALS[material](), stress=None if stress is None else stress[0])
+    return body.stress[0], point.gradient(inSpace, DT)
+
+
+# A last digit decides about the parts of a step of Sanisand, whose rings take the text of 3D.
+@pytest.mark.parametrize("material", sorted(set(MATERIALS) - {"Sanisand"}))
+def test_a_ring_is_the_3d_update_without_shear_round_the_axis(material):
+    for seed in range(20):
+        ring, solid = ringAndSolid(material, seed)
+        assert np.abs(ring - solid).max() <= 1e-13 * np.abs(solid).max()
+    ring, solid = ringAndSolid(material, 0, changed=1e-6)  # control
+    assert np.abs(ring - solid).max() > 1e-10 * np.abs(solid).max()
 
 
 @everyMaterial

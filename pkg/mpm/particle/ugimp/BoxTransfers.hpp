@@ -57,7 +57,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
               const Move& how) override {
         const Planes q(particles);
-        forBatches(region, [&](int first, int count, const Weights& w, int block) {
+        forBatches<false>(region, [&](int first, int count, const Weights& w, int block) {
             if (nodes) {
                 double taken[2 * Dim][padded];
                 gather(nodes, first, count, w, taken);
@@ -154,10 +154,11 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         if (grid.isGraded()) isUnequal_.resize(particles.size());
     }
 
-    Weights weightsOf(int first, int count) const {
+    // withSlopes: whether the derivatives are asked for.
+    template <bool withSlopes = true> Weights weightsOf(int first, int count) const {
         Weights w(local_, half_, grid.smallestCell(), first, count);
         if (grid.isGraded()) takeUnequalCells(w, first, count);
-        if (grid.isAxisymmetric) weighByRadius(w, first, count);
+        if (withSlopes && grid.isAxisymmetric) weighByRadius(w, first, count);
         return w;
     }
 
@@ -218,12 +219,12 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     // f(first, count, weights[, block]) for batches of particles; blocks that share nodes take turns.
-    template <class F> void forBatches(ParallelRegion& region, F&& f) {
+    template <bool withSlopes = true, class F> void forBatches(ParallelRegion& region, F&& f) {
         region.forColoured(order.coloured, [&](int b) {
             for (int first = order.start[b], end = order.start[b + 1], count; first < end; first += count) {
                 count =
                     std::min(batch - first % 8, end - first); // whole cache lines from the second batch on
-                const Weights w = weightsOf(first, count);
+                const Weights w = weightsOf<withSlopes>(first, count);
                 if constexpr (std::is_invocable_v<F, int, int, const Weights&, int>)
                     f(first, count, w, b);
                 else

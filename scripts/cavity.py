@@ -1,24 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A cylindrical cavity expands in soil: exact at any expansion, for clay and for soil with friction.
+"""A cylinder or a sphere expands in soil: exact at any expansion, for clay and for soil with friction.
 
-Plane strain, a quarter, weightless: a hole of the radius a0 in a body of the radius 100 a0 that is free
-outside and bears the pressure p0 everywhere at the start. The hole is widened by a round mandrel of springs,
-one for each facet of the wall: the pressure is what the soil asks for, and the wall stays round. (Under a
-fluid soil that does not flow associated grows fingers, and 4 % of the pressure are lost.) The mesh of APDI
-runs round the hole and stretches with it.
+Plane strain, a quarter (--sphere: axisymmetric, a half), weightless: a hole of the radius a0 in a body of the
+radius 200 a0 that is free outside and bears the pressure p0 everywhere at the start. The hole is widened by a
+round mandrel of springs, one for each facet of the wall: the pressure is what the soil asks for, and the wall
+stays round. (Under a fluid soil that does not flow associated grows fingers, and 4 % of the pressure are
+lost.) The mesh of APDI runs round the hole and stretches with it.
 
 Undrained clay (phi = 0) keeps its volume, r2 - r0^2 = a2 - a0^2, and yields out to (a2 - a0^2) G/su:
 
     (p - p0)/su = 1 + ln(G/su) + ln(1 - (a0/a)^2)      (Gibson & Anderson 1961; Hill 1950)
 
-5.017, 5.317 and 5.487 at a/a0 = 1.5, 2 and 3 for G/su = 100. With friction and dilatancy the pressure tends
+5.017, 5.317 and 5.487 at a/a0 = 1.5, 2 and 3 for G/su = 100. Round a sphere cubes take the place of squares,
+and the pressure is 4/3 times as large. With friction and dilatancy the pressure tends
 to a limit as the cavity grows (Carter, Booker & Yeung 1986; Yu & Houlsby 1991), see
 doc/theory/penetration.md.
 
-Units: Mg, m, s, kPa, per metre of thickness; a0 = 1 m.
+Units: Mg, m, s, kPa; a0 = 1 m.
 
     scripts/run cavity                                # undrained
+    scripts/run cavity --sphere
     scripts/run cavity --phi 30 --psi 10 --until 6
 """
 
@@ -42,6 +44,7 @@ PARAMETERS = mpm.Parameters(
     "cavity",
     __doc__,
     Parameter("cells", 4, "of the grid per radius of the hole", least=2, whole=True),
+    Parameter("sphere", False, "in place of a cylinder"),
     Parameter("phi", 0.0, "friction", unit="degrees", least=0, below=60),
     Parameter("psi", 0.0, "dilatancy", unit="degrees", least=0, below=60),
     Parameter("poisson", lambda a: 0.3 if a.phi else 0.49, "of the soil", least=0, below=0.5),
@@ -57,39 +60,54 @@ arguments = PARAMETERS.parse
 
 
 def clay(a):
-    """The soil, and the angles of friction and dilatancy, rad."""
+    """The soil. Round a sphere two stresses are equal, at an edge of the pyramid, which cones round off."""
     lame, angles = 2 * a.shear * a.poisson / (1 - 2 * a.poisson), (radians(a.phi), radians(a.psi))
-    return reference.clay(lame=(lame, a.shear), frictionAngle=angles[0], dilatancyAngle=angles[1])
+    law = mpm.MohrCoulomb if a.sphere else mpm.MohrCoulombDruckerPrager
+    given = dict(density=reference.DENSITY, lame=(lame, a.shear), cohesion=STRENGTH)
+    return law(**given, frictionAngle=angles[0], dilatancyAngle=angles[1])
 
 
 def undrained(expansion, a):
     """Pressure in clay that keeps its volume, kPa; expansion: a/a0."""
-    return a.confinement + STRENGTH * (1 + log(a.shear / STRENGTH) + np.log(1 - expansion**-2.0))
+    k = hoops(a)
+    rise = 1 + log(a.shear / STRENGTH) + np.log(1 - expansion ** (-1.0 - k))
+    return a.confinement + 2 * k / (k + 1) * STRENGTH * rise
+
+
+def hoops(a):
+    """Axes round the hole that strain: one of a cylinder, two of a sphere."""
+    return 2 if a.sphere else 1
 
 
 def plasticZone(a):
     """Soil behind its plastic front, by r/c: the ratio itself (n,), radial pressure (n,), kPa, and
-    ln((r/r0) (dr/dr0)^beta) (n,), what elasticity leaves of it; further the pressure's rise at the front over
-    2 G, and beta."""
-    phi, psi, n = radians(a.phi), radians(a.psi), a.poisson / (1 - a.poisson)
+    ln((r/r0)^k (dr/dr0)^beta) (n,), what elasticity leaves of it; further the strain round the front, and
+    beta."""
+    phi, psi, k = radians(a.phi), radians(a.psi), hoops(a)
     alpha, beta = ((1 + np.sin(x)) / (1 - np.sin(x)) for x in (phi, psi))
     yields = 2 * STRENGTH * np.cos(phi) / (1 - np.sin(phi))
-    rise = ((alpha - 1) * a.confinement + yields) / (alpha + 1)
-    x = np.exp(-np.linspace(0, 9, 9001))
+    rise = k * ((alpha - 1) * a.confinement + yields) / (alpha + k)
+    x = np.exp(-np.linspace(0, 9 / k, 9001))
     if a.phi:
         apex = yields / (alpha - 1)
-        radial = (a.confinement + rise + apex) * x ** (1 / alpha - 1) - apex
+        radial = (a.confinement + rise + apex) * x ** (k * (1 / alpha - 1)) - apex
     else:
-        radial = a.confinement + rise - 2 * STRENGTH * np.log(x)
+        radial = a.confinement + rise - 2 * k * STRENGTH * np.log(x)
     dr, dt = radial - a.confinement, (radial - yields) / alpha - a.confinement
-    elastic = -(1 - a.poisson) / (2 * a.shear) * (beta * (dr - n * dt) + dt - n * dr)
-    return x, radial, elastic, rise / (2 * a.shear), beta
+    stiff, n = plane(a) if k == 1 else (2 * a.shear * (1 + a.poisson), a.poisson)
+    elastic = -(beta * (dr - k * n * dt) + k * (dt - n * dr - (k - 1) * n * dt)) / stiff
+    return x, radial, elastic, rise / (2 * k * a.shear), beta
+
+
+def plane(a):
+    """Young's modulus and Poisson's ratio of plane strain."""
+    return 2 * a.shear / (1 - a.poisson), a.poisson / (1 - a.poisson)
 
 
 def exact(a):
     """a/a0 (n,) and pressure (n,), kPa, of the cavity in soil without end, and the limit pressure, kPa."""
     x, radial, elastic, rise, beta = plasticZone(a)
-    m = 1 + 1 / beta
+    m = 1 + hoops(a) / beta
     inside = m * cumulative_trapezoid(x**m * np.exp(-elastic / beta), -np.log(x), initial=0)
     left = (1 - rise) ** m - inside  # (a0/c)^m of a cavity whose wall is at x = a/c now
     grows = left > 0
@@ -146,7 +164,7 @@ def build(a):
     cell = 1.0 / a.cells
     size = ceil(OUTSIDE / cell + 2) * cell
     grading = mpm.Grading(((0, 0), (EVEN, EVEN)), largest=0.1 * OUTSIDE)
-    scene = mpm.Scene((0, 0), (size, size), cell, threads=a.threads, grading=grading)
+    scene = mpm.Scene((0, 0), (size, size), cell, grading=grading, axisymmetric=a.sphere, threads=a.threads)
     soil = scene.add("soil", meshOf(a), clay(a), mpm.APDI(hourglass=a.hourglass))
     soil.setStress(-a.confinement * np.eye(3))
     mandrel = Mandrel(a, soil)

@@ -8,6 +8,7 @@ the soil above, the lowest period of a sphere (Love 1944, art. 196). Each has a 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from scipy.optimize import brentq
 from setups import restarted, withAnyThreads
 
 DENSITY, YOUNG, POISSON = 2.0, 1e3, 0.25
@@ -81,6 +82,36 @@ def test_a_uniform_stress_is_in_equilibrium(kind, verified):
     body.stress[:, 2, 2] = -90.0  # control: stress round the axis counts
     f = np.reshape(body._core.internalForces()["force"], (-1, 2))
     assert np.abs(f[isInner, 0]).min() > 0.05
+
+
+def gradedBlock(kind, rng):
+    """Lines of a random graded grid, and a block within them; skewed domains, boxes that tile the cells."""
+    sizes = rng.choice([0.1, 0.2], (2, 12)) if kind == "UGIMP" else rng.uniform(0.08, 0.12, (2, 12))
+    lines = [np.r_[0, np.cumsum(s)] for s in sizes]
+    scene = mpm.Scene((0, 0), [x[-1] for x in lines], grading=lines, axisymmetric=True, threads=1)
+    lower, upper = (0, lines[1][1]), (lines[0][9], lines[1][11])
+    if kind == "UGIMP":
+        return lines, scene.add("block", mpm.box(lower, upper), elastic(), mpm.UGIMP(perCell=2))
+    x, y = np.meshgrid(np.linspace(0, upper[0], 12), np.linspace(lower[1], upper[1], 12))
+    x[1:-1, 1:-1] += rng.uniform(-0.02, 0.02, (10, 10))
+    y[1:-1, 1:-1] += rng.uniform(-0.02, 0.02, (10, 10))
+    return lines, scene.add("block", mpm.geotech.quadrilaterals(x, y), elastic(), mpm.APDI())
+
+
+@both
+@pytest.mark.verifies(
+    "Axial symmetry: patch test on a random graded grid", reference="exact", tolerance=1e-11
+)
+def test_a_uniform_stress_is_in_equilibrium_on_any_graded_grid(kind, verified):
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        (r, z), body = gradedBlock(kind, rng)
+        body.stress = np.broadcast_to(np.diag([-100.0, -250.0, -100.0]), (body.count, 3, 3))
+        found = body._core.internalForces()
+        x, f = (np.reshape(found[name], (-1, 2)) for name in ("position", "force"))
+        isInner = (x[:, 0] < r[7] + 1e-6) & (x[:, 1] > z[3] - 1e-6) & (x[:, 1] < z[9] + 1e-6)
+        verified(f[isInner], 0, scale=250 * 2 * np.pi * 0.1)
+        assert isInner.sum() > 40 and np.abs(f).max() > 10  # round the body they are not zero
 
 
 # --- closed forms ----------------------------------------------------------------------------------------
@@ -202,6 +233,42 @@ def test_an_implicit_ring_breathes_as_an_explicit_one(verified):
     verified(breathing(True), explicit, scale=explicit.max())
     drifting = breathing(True, isRound=False)
     assert drifting == pytest.approx(drifting[0] * np.arange(1, 11), rel=1e-6)
+
+
+def breathingSphere(kind, poisson=POISSON):
+    """Period of a sphere of one metre in its lowest radial mode, over that of Love at POISSON."""
+    lame, shear = YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON), YOUNG / 2 / (1 + POISSON)
+    fast = (lame + 2 * shear) / (4 * shear)
+    k = brentq(lambda x: x / np.tan(x) - 1 + fast * x * x, 1.5, 3.1)
+    period = 2 * np.pi / k / np.sqrt((lame + 2 * shear) / DENSITY)
+    h = {"UGIMP": 0.05, "APDI": 0.025}[kind]
+    scene = mpm.Scene((0, 0), (1.2, 1.2), cell=h, axisymmetric=True, threads=1)
+    scene.roller("bottom")
+    half = mpm.disc((0, 0), 1.0) & mpm.box((0, 0), (1.2, 1.2))
+    material = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=poisson)
+    body = scene.add("sphere", half, material, TYPES[kind](h))
+
+    def mode():
+        r = np.linalg.norm(body.position, axis=1)[:, None]
+        return (np.sin(k * r) / (k * r) - np.cos(k * r)) / (k * r) * body.position / r
+
+    body.velocity = 1e-3 * mode()
+    times, swings = [], []
+    for time in period / 40 * np.arange(1, 121):
+        scene.run(until=time, progress=False)
+        times.append(scene.time)
+        swings.append((body.mass[:, None] * mode() * body.velocity).sum())
+    t, q = np.array(times), np.array(swings)
+    turns = np.flatnonzero(q[1:] * q[:-1] < 0)
+    zeros = t[turns] - q[turns] * (t[turns + 1] - t[turns]) / (q[turns + 1] - q[turns])
+    return 2 * np.polyfit(np.arange(len(zeros)), zeros, 1)[0] / period
+
+
+@both
+@pytest.mark.verifies("Axial symmetry: period of a breathing sphere", reference="Love", tolerance=0.005)
+def test_a_sphere_breathes_with_its_period(kind, verified):
+    verified(breathingSphere(kind), 1)
+    assert breathingSphere(kind, poisson=0.2) > 1.01  # control: another material
 
 
 # --- soil ------------------------------------------------------------------------------------------------

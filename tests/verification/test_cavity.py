@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A cylindrical cavity expands in clay and in soil with friction (scripts/cavity.py).
+"""A cylindrical or spherical cavity expands in clay and in soil with friction (scripts/cavity.py).
 
 Closed forms: Gibson & Anderson 1961 (undrained, finite strain); Carter, Booker & Yeung 1986, Yu & Houlsby
 1991 (friction and dilatancy), derived in doc/theory/penetration.md. Tolerance of p - p0: 3 % undrained
-at a/a0 = 1.5, 2 and 3, 4 % with friction up to a/a0 = 4. Controls: a small body, soil that does not dilate.
+at a/a0 = 1.5, 2 and 3, 4 % with friction up to a/a0 = 4; 1 % round a sphere. Controls: a small body, soil
+that does not dilate.
 """
 
 from math import exp, log, radians, sin
@@ -21,40 +22,47 @@ def run(*options, **constants):
 
 
 # --- closed forms -----------------------------------------------------------------------------------------
-@pytest.mark.parametrize("expansion, pressure", [(1.5, 5.017), (2, 5.317), (3, 5.487)])
-def test_undrained_pressure(expansion, pressure):
+SPHERE = ("--sphere",)
+
+
+@pytest.mark.parametrize(
+    "shape, expansion, pressure",
+    [((), 1.5, 5.017), ((), 2, 5.317), ((), 3, 5.487), (SPHERE, 2, 7.296), (SPHERE, 3, 7.423)],
+)
+def test_undrained_pressure(shape, expansion, pressure):
     module = script("cavity")
-    a = module.arguments(["--poisson", "0.49999"])
+    a = module.arguments(["--poisson", "0.49999", *shape])
     assert (module.undrained(expansion, a) - a.confinement) / 10 == pytest.approx(pressure, abs=1e-3)
     grown, curve, _ = module.exact(a)  # that of soil with friction, without friction and volume change
     assert np.interp(expansion, grown, curve) == pytest.approx(module.undrained(expansion, a), rel=1e-3)
 
 
-def series(phi, psi, cohesion, shear, poisson, confinement):
+def series(phi, psi, cohesion, shear, poisson, confinement, k):
     """Limit pressure as Yu & Houlsby (1991) give it: the pressure ratio R at which their series reaches the
-    elastic boundary."""
+    elastic boundary. k: 1 round a cylinder, 2 round a sphere."""
     alpha, beta = ((1 + sin(x)) / (1 - sin(x)) for x in (phi, psi))
     young, m = 2 * shear * (1 + poisson), poisson
     yields = 2 * cohesion * (1 - sin(phi) ** 2) ** 0.5 / (1 - sin(phi)) + (alpha - 1) * confinement
-    gamma = alpha * (1 + beta) / ((alpha - 1) * beta)
-    delta = yields / (2 * (1 + alpha) * shear)
-    eta = exp((1 + beta) * (1 - 2 * m) * (1 + m) * yields / (young * (alpha - 1) * beta))
-    xi = (1 - m**2) * 2 * delta / ((1 + m) * (alpha - 1) * beta)
-    xi *= alpha * beta + 1 - 2 * m + 2 * m - m * (alpha + beta) / (1 - m)
+    gamma = alpha * (k + beta) / (k * (alpha - 1) * beta)
+    delta = yields / (2 * (k + alpha) * shear)
+    eta = exp((k + beta) * (1 - 2 * m) * (1 + (2 - k) * m) * yields / (young * (alpha - 1) * beta))
+    xi = (1 - m**2 * (2 - k)) * (1 + k) * delta / ((1 + m) * (alpha - 1) * beta)
+    xi *= alpha * beta + k * (1 - 2 * m) + 2 * m - k * m * (alpha + beta) / (1 - m * (2 - k))
     terms = lambda r: sum(  # noqa: E731
         xi**n / np.prod(np.arange(1.0, n + 1)) * (r ** (n - gamma) - 1) / (n - gamma) for n in range(60)
     )
-    wanted = eta / gamma * (1 - delta) ** ((1 + beta) / beta)
+    wanted = eta / gamma * (1 - delta) ** ((k + beta) / beta)
     ratios = np.exp(np.linspace(0, log(1e3), 200001))
     r = np.interp(wanted, terms(ratios), ratios)
-    return (r * 2 * alpha / (1 + alpha) * yields - yields) / (alpha - 1) + confinement
+    return (r * (1 + k) * alpha / (k + alpha) * yields - yields) / (alpha - 1) + confinement
 
 
+@pytest.mark.parametrize("shape", [(), SPHERE])
 @pytest.mark.parametrize("phi, psi, confinement", [(30, 10, 20), (30, 25, 20), (20, 0, 0), (40, 15, 100)])
-def test_limit_pressure_is_that_of_yu_and_houlsby(phi, psi, confinement):
+def test_limit_pressure_is_that_of_yu_and_houlsby(phi, psi, confinement, shape):
     module = script("cavity")
-    a = module.arguments(["--phi", str(phi), "--psi", str(psi), "--confinement", str(confinement)])
-    published = series(radians(phi), radians(psi), 10.0, a.shear, a.poisson, confinement)
+    a = module.arguments(["--phi", str(phi), "--psi", str(psi), "--confinement", str(confinement), *shape])
+    published = series(radians(phi), radians(psi), 10.0, a.shear, a.poisson, confinement, 1 + len(shape))
     assert module.exact(a)[2] == pytest.approx(published, rel=2e-3)
 
 
@@ -79,6 +87,27 @@ def test_friction_and_dilatancy_raise_the_pressure_towards_its_limit(size, verif
     summary = run(*size, *FRICTION)
     isMet(verified, summary, upTo=4)
     assert 0.9 < summary["pressure"][-1] / summary["exactLimit"] < 1
+
+
+SHORT = "--cells", "3", "--rate", "0.2", "--until", "2.1"
+
+
+@pytest.mark.parametrize("size", [SHORT, pytest.param(("--rate", "0.2"), marks=slow)])
+@pytest.mark.verifies("Sphere widened 3 times in clay: pressure", reference="closed form", tolerance=0.01)
+def test_clay_round_a_sphere_bears_what_its_strength_and_stiffness_say(size, verified):
+    isMet(verified, run(*SPHERE, *size), upTo=2)
+
+
+@pytest.mark.parametrize("size", [SHORT, pytest.param(("--rate", "0.2", "--until", "3.1"), marks=slow)])
+@pytest.mark.verifies(
+    "Sphere widened 3 times in sand: pressure", reference="Yu and Houlsby 1991", tolerance=0.02
+)
+def test_sand_round_a_sphere_bears_what_its_angles_say(size, verified):
+    isMet(verified, run(*SPHERE, *FRICTION[:4], *size), upTo=2)
+    summary = run(*SPHERE, *FRICTION[:2], "--psi", "0", *SHORT)  # control: no dilatancy
+    module = script("cavity")
+    grown, curve, _ = module.exact(module.arguments([*SPHERE, *FRICTION[:4]]))
+    assert summary["pressure"][-1] < 0.9 * np.interp(2, grown, curve)
 
 
 @slow

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The forces with which shared cells press groups together, at the sites of contact. They act on the nodes already
 // (scene/SharedCells.hpp); the sites count them for friction, and do not part before they are used up. A node hands its
-// force to itself and to the points round it by the areas that they stand for, so that none is counted twice.
+// force to itself and to the points round it along their normals, by the areas that they stand for: none is counted
+// twice, each face at an edge of a body bears its own component, and what acts along a plane surface is borne by none.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
+#include "mpm/scene/SharedCells.hpp"
 
 namespace mpm {
 
@@ -13,20 +15,31 @@ template <int Dim> class CarriedForces {
     void find(const SharedCells<Dim>& cells, ContactSearch<Dim>& search) {
         for (const ContactPair<Dim>& pair : search.pairs) {
             takeForces(cells, search, pair);
-            takeAreas(search, pair);
-            hand(search, pair);
+            takeSites(search, pair);
+            for (auto first = shares_.begin(); first != shares_.end();) {
+                const auto last = std::find_if(first, shares_.end(),
+                                               [&](const Share& share) { return share.node != first->node; });
+                hand(first, last);
+                first = last;
+            }
+            for (const Share& share : shares_) share.site->carried = std::max(0.0, share.site->carried);
         }
     }
 
   private:
+    struct Share {
+        size_t node; // of the pair
+        ContactSite<Dim>* site;
+        double area; // that the site stands for there, m2
+    };
     std::vector<Vec<Dim>> forces_; // on the second group, at the contact nodes of a pair, kN
-    std::vector<double> areas_;    // of all sites that act on them, m2
+    std::vector<Share> shares_;    // by their nodes
 
     void takeForces(const SharedCells<Dim>& cells, const ContactSearch<Dim>& search,
                     const ContactPair<Dim>& pair) {
         forces_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
         const auto first = search.nodes.begin() + pair.firstNode, end = search.nodes.begin() + pair.endNode;
-        for (const auto& part : cells.forcesAcross()) {
+        for (const auto& part : cells.forces()) {
             if (std::min(part.soil, part.solid) != first->field[0] ||
                 std::max(part.soil, part.solid) != first->field[1])
                 continue;
@@ -36,30 +49,32 @@ template <int Dim> class CarriedForces {
                 forces_[node - first] += (part.solid > part.soil ? 1 : -1) * part.force;
         }
     }
-    // f(site, node, weight) for the sites of a node and for the points with a weight on it.
-    template <class F> static void forSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, F&& f) {
+    void takeSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
+        shares_.clear();
+        const auto add = [&](size_t node, ContactSite<Dim>& site, double weight) {
+            site.carried = 0;
+            if (weight * site.area > 0) shares_.push_back({node, &site, weight * site.area});
+        };
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-            if (!search.nodes[i].isLeftOut) f(search.nodes[i], i - pair.firstNode, 1.0);
+            if (!search.nodes[i].isLeftOut) add(i - pair.firstNode, search.nodes[i], 1);
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
             auto& point = search.points[i];
             for (int corner = 0; corner < point.size; ++corner)
-                f(point, point.contact[corner] - pair.firstNode, point.S[corner]);
+                add(point.contact[corner] - pair.firstNode, point, point.S[corner]);
         }
+        std::stable_sort(shares_.begin(), shares_.end(),
+                         [](const Share& a, const Share& b) { return a.node < b.node; });
     }
-    void takeAreas(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
-        areas_.assign(forces_.size(), 0.0);
-        forSites(search, pair, [&](ContactSite<Dim>& site, size_t node, double weight) {
-            areas_[node] += weight * site.area;
-            site.carried = 0;
-        });
-    }
-    void hand(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
-        forSites(search, pair, [&](ContactSite<Dim>& site, size_t node, double weight) {
-            if (areas_[node] > 0)
-                site.carried += weight * site.area / areas_[node] * forces_[node].dot(site.normal);
-        });
-        forSites(search, pair,
-                 [&](ContactSite<Dim>& site, size_t, double) { site.carried = std::max(0.0, site.carried); });
+    template <class At> void hand(At first, At last) {
+        const Vec<Dim>& force = forces_[first->node];
+        for (At share = first; share != last; ++share) {
+            double facing = 0; // area that looks the same way
+            for (At other = first; other != last; ++other) {
+                const double alike = std::max(0.0, share->site->normal.dot(other->site->normal));
+                facing += other->area * alike * alike;
+            }
+            if (facing > 0) share->site->carried += share->area / facing * force.dot(share->site->normal);
+        }
     }
 };
 

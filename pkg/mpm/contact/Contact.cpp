@@ -150,9 +150,9 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
         gaps.clear();
     }
     if (dead) return;
-    scene.sharedCells.isWanted = sharesCells;
-    scene.sharedCells.restore(cells, gaps);
-    std::get<SharedCells<Dim>*>(shared_) = &scene.sharedCells;
+    scene.sharedCells->isWanted = sharesCells;
+    scene.sharedCells->restore(cells, gaps);
+    std::get<SharedCells<Dim>*>(shared_) = scene.sharedCells.get();
 }
 
 FrictionLaw Contact::lawOf(int a, int b) const {
@@ -172,7 +172,7 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
     straighten(scene, state.search);
     state.impulses.nodes.assign(state.search.nodes.size(), {});
-    if (scene.sharedCells.isWanted) state.carried.find(scene.sharedCells, state.search);
+    if (scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
     return state;
 }
 
@@ -342,7 +342,7 @@ template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>
                                        takenBy(point));
             }
         }
-    for (const auto& part : scene.sharedCells.forcesOfCells())
+    for (const auto& part : scene.sharedCells->forcesOfCells())
         if (search.isOfMeshes(part.solid))
             state.facets.add(scene, part.solid, middleOf(scene.grid, part.node), -unit<Dim>(part.force, 0.0),
                              scene.dt * part.force);
@@ -350,17 +350,17 @@ template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>
 
 // Tells the shared cells where groups press on each other.
 template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Dim>& search) {
-    if (!scene.sharedCells.isWanted) return;
+    if (!scene.sharedCells->isWanted) return;
     for (const auto& node : search.nodes)
-        if (node.touches) scene.sharedCells.touch(node.node);
-    scene.sharedCells.closeTouched(scene.grid);
+        if (node.touches) scene.sharedCells->touch(node.node);
+    scene.sharedCells->closeTouched(scene.grid);
 }
 
 // What shared cells put on the groups is force of contact, too: pressure, in rows of their own, at nodes that may lie
 // inside the meshes.
 template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
     std::map<std::tuple<int, int, int>, Vec<Dim>> on; // the second group, by first and second group and node
-    for (const auto& part : scene.sharedCells.forces()) {
+    for (const auto& part : scene.sharedCells->forces()) {
         const bool isSecond = part.solid > part.soil;
         auto& force =
             on.try_emplace({std::min(part.soil, part.solid), std::max(part.soil, part.solid), part.node},

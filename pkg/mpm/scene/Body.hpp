@@ -142,4 +142,10 @@ template <int Dim> class Body {
     const Grid<Dim>& grid_;
 };
 
+// Whether rates of volume change and mean stress of a body act by the cells of the grid: of boxes, and of meshes that
+// fill cells together with boxes.
+template <int Dim> bool actsByCells(const Body<Dim>& body) {
+    return body.fbar && body.cellAverage.actByCells();
+}
+
 } // namespace mpm

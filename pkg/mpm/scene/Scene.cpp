@@ -3,11 +3,22 @@
 #include "mpm/scene/Scene.hpp"
 
 #include "mpm/base/parallel/relaxed.hpp"
+#include "mpm/scene/SharedCells.hpp"
 
 #include <algorithm>
 #include <chrono>
 
 namespace mpm {
+
+template <int Dim>
+Scene<Dim>::Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
+    : grid(lower, upper, cell), sharedCells(std::make_unique<SharedCells<Dim>>()) {}
+
+template <int Dim>
+Scene<Dim>::Scene(const typename Grid<Dim>::Lines& lines)
+    : grid(lines), sharedCells(std::make_unique<SharedCells<Dim>>()) {}
+
+template <int Dim> Scene<Dim>::~Scene() = default;
 
 template <int Dim> void Scene<Dim>::prepare() {
     require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
@@ -28,7 +39,7 @@ template <int Dim> void Scene<Dim>::prepare() {
                     if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
     mirrors.findRollers(grid, constraints);
-    sharedCells.isWanted = false;
+    sharedCells->isWanted = false;
     for (auto& engine : engines) {
         engine->finish();
         engine->prepare(*this);

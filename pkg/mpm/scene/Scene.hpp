@@ -7,7 +7,6 @@
 #include "mpm/scene/Engine.hpp"
 #include "mpm/scene/MirrorNodes.hpp"
 #include "mpm/scene/Scheme.hpp"
-#include "mpm/scene/SharedCells.hpp"
 
 #include <array>
 #include <cmath>
@@ -22,12 +21,14 @@ struct Energies {
     double implicit = 0; // energy taken by the implicit solution of bodies
 };
 
+template <int Dim> class SharedCells;
+
 template <int Dim> class Scene {
   public:
-    explicit Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
-        : grid(lower, upper, cell) {}
-    explicit Scene(const typename Grid<Dim>::Lines& lines) : grid(lines) {} // graded
+    Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell);
+    explicit Scene(const typename Grid<Dim>::Lines& lines); // graded
     Scene(const Scene&) = delete;
+    ~Scene();
 
     Grid<Dim> grid;
     std::vector<std::unique_ptr<Body<Dim>>> bodies;
@@ -84,8 +85,8 @@ template <int Dim> class Scene {
         return 1e-30 * largest;
     }
 
-    MirrorNodes<Dim> mirrors;        // behind rollers
-    SharedCells<Dim> sharedCells;    // of soil and a body that it is in contact with
+    MirrorNodes<Dim> mirrors;                            // behind rollers
+    const std::unique_ptr<SharedCells<Dim>> sharedCells; // of soil and a body that it is in contact with
     std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
 
     // Checks the chain and enters the static constraints; before the first step and after every change.

@@ -129,7 +129,6 @@ template <int Dim> void SharedCells<Dim>::clear() {
     air_.clear();
     givers_.clear();
     forces_.clear();
-    across_.clear();
     ofCells_.clear();
     takers_.clear();
     fullness_.clear();
@@ -146,6 +145,7 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     findSolids(scene);
     findAir(scene);
     findGivers(scene);
+    findGrowths(scene);
     decide(scene);
 }
 
@@ -345,12 +345,50 @@ template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell
     givers_.push_back(giver);
 }
 
+// The domains of a solid count in a cell by the parts of them that lie in it.
+template <int Dim> void SharedCells<Dim>::findGrowths(const Scene<Dim>& scene) {
+    for (auto& body : scene.bodies)
+        if (isSolid_[body->velocityField] && body->particles.size() > 0) addGrowth(scene, *body);
+}
+
+template <int Dim> void SharedCells<Dim>::addGrowth(const Scene<Dim>& scene, Body<Dim>& body) {
+    const Grid<Dim>& grid = scene.grid;
+    const int n = body.particles.size();
+    double stiffness[Mesh<Dim>::patterns];
+    std::vector<int> cells(chunkSize * corners<Dim>);
+    CellPoints<Dim> points;
+    points.start(body.particles, body.domains->mesh());
+    for (int begin = 0; begin < n; begin += chunkSize) {
+        const int end = std::min(n, begin + chunkSize);
+        points.place(grid, begin, end, cells.data());
+        for (int p = begin; p < end; ++p) {
+            const int *const first = &cells[points.at(p) - points.at(begin)], *const last =
+                                                                                  first + points.per(p);
+            if (std::all_of(first, last, [&](int cell) { return giverAt_[cell] < 0; })) continue;
+            const double part = body.particles.volume.plane()[p] / points.per(p);
+            for (const int* cell = first; cell < last; ++cell)
+                if (giverAt_[*cell] >= 0) givers_[giverAt_[*cell]].ofSolids += part;
+            body.domains->mesh()->strains(
+                p,
+                [&](int node, double, const Vec<Dim>& gradient, double hoop, const double*) {
+                    const Vec<Dim> slope = part * (gradient + hoop * Vec<Dim>::Unit(0));
+                    for (const int* cell = first; cell < last; ++cell)
+                        if (giverAt_[*cell] >= 0)
+                            givers_[giverAt_[*cell]].grow(body.velocityField, node, slope);
+                },
+                stiffness);
+        }
+    }
+}
+
 // Whether a taker stands beside one that was closed. Soil that has flowed round a body covers the cells there unevenly.
-template <int Dim> bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int cell) const {
+template <int Dim>
+bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int cell,
+                                      const std::map<int, double>& gaps) const {
     bool isBeside = false;
     forNeighbours(grid, cell, [&](int other, int axes) {
-        const auto found = axes == 1 ? gaps_.find(other) : gaps_.end();
-        isBeside |= found != gaps_.end() && found->second == 0;
+        const auto found = axes == 1 ? gaps.find(other) : gaps.end();
+        isBeside |= found != gaps.end() && found->second == 0;
     });
     return isBeside;
 }
@@ -395,8 +433,9 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
 }
 
 // Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
-// goes on with it: soil that has flowed round a body covers the cells there unevenly. So does what is full at first: at
-// the corners of a body nothing touches. All others wait until surfaces meet, see closeTouched().
+// goes on with it: soil that has flowed round a body covers the cells there unevenly. What is full and pressed at first is
+// closed from the first step on: a body that is put in its place in soil under pressure holds this pressure. All others
+// wait until surfaces meet, see closeTouched().
 template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     std::map<int, double> gaps;
     std::vector<int> asked;
@@ -408,14 +447,30 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
         if (gap == 0 || gap == usedUp) gap = isPressed ? 0 : usedUp;
         if (isPressed && !taker.isClosed) asked.push_back(cell);
     }
+    const bool isFirst = gaps_.empty();
+    std::vector<int> closing;
     for (const auto& [cell, filled] : fillings(scene, asked)) {
-        Taker& taker = takers_.at(cell);
-        taker.filled = filled;
-        const bool isNew = gaps_.count(cell) == 0, mayGoOn = isNew || gaps[cell] == placed;
-        taker.isClosed =
-            mayGoOn && filled >= (isNew ? fullBesideClosed : fullAtFirst) && isBesideClosed(scene.grid, cell);
-        if (taker.isClosed) gaps[cell] = 0;
+        takers_.at(cell).filled = filled;
+        const bool isNew = !isFirst && gaps_.count(cell) == 0;
+        const bool mayGoOn =
+            isFirst || ((isNew || gaps[cell] == placed) && isBesideClosed(scene.grid, cell, gaps_));
+        if (mayGoOn && filled >= (isNew ? fullBesideClosed : fullAtFirst)) closing.push_back(cell);
     }
+    const auto close = [&] {
+        for (int cell : closing) {
+            takers_.at(cell).isClosed = true;
+            gaps[cell] = 0;
+        }
+        closing.clear();
+    };
+    close();
+    for (int cell : asked) { // at the corners of a mesh that lies at an angle to the grid
+        const Taker& taker = takers_.at(cell);
+        if (isFirst && !taker.isClosed && taker.filled >= fullBesideClosed &&
+            isBesideClosed(scene.grid, cell, gaps) && insideOfAll(scene, cell) == 1)
+            closing.push_back(cell);
+    }
+    close();
     gaps_.swap(gaps);
     for (const auto& [cell, taker] : takers_)
         if (gaps_.at(cell) >= 0) tell(scene, cell, taker);
@@ -473,7 +528,6 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     Grid<Dim>& grid = scene.grid;
     forces_.clear();
-    across_.clear();
     ofCells_.clear();
     for (const Giver& giver : givers_) {
         double stress = 0; // mean one that acts on its corners, kPa
@@ -483,41 +537,26 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
         }
         if (stress == 0) continue;
         const int soil = groupOf(scene, giver.to.front().cell);
-        const Vec<Dim> edges = grid.edges(giver.cell);
-        const Vec<Dim> pull = stress * grid.volume(giver.cell) / (corners<Dim> / 2) * edges.cwiseInverse();
+        for (const Growth& solid : giver.solids) {
+            const Vec<Dim> force = stress * solid.slope;
+            for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[solid.group].sum[solid.node], k, force[k]);
+            forces_.push_back({soil, solid.group, solid.node, force});
+        }
         for (int g = 0; g < int(volumes_.size()); ++g) {
             Vec<Dim> sum = Vec<Dim>::Zero();
             for (int a = 0; a < corners<Dim>; ++a) {
                 const int node = cornerOf(grid, giver.cell, a);
                 const double own = volumeOf(g, node), part = own > 0 ? own / volumeAt(node) : 0;
                 if (part == 0) continue;
-                Vec<Dim> force;
-                const Vec<Dim> slopes = grid.volumeSlopes(giver.cell, node, half_);
-                for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k) * slopes[k];
+                const Vec<Dim> force = -part * stress * slopeOf(grid, giver.cell, a);
                 for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
                 if (isSolid_[g]) forces_.push_back({soil, g, node, force});
                 sum += force;
             }
             if (!isSolid_[g] || sum.isZero(0)) continue;
-            addAcross(grid, giver.cell, soil, g, sum);
             ofCells_.push_back({soil, g, giver.cell, sum});
         }
     }
-}
-
-// The force on a solid in a cell, which is the pressure on the solid's surface there, to the corners that both groups
-// reach.
-template <int Dim>
-void SharedCells<Dim>::addAcross(const Grid<Dim>& grid, int cell, int soil, int solid,
-                                 const Vec<Dim>& force) {
-    double weights[corners<Dim>], sum = 0;
-    for (int a = 0; a < corners<Dim>; ++a) {
-        const int node = cornerOf(grid, cell, a);
-        sum += weights[a] = volumeOf(soil, node) * volumeOf(solid, node);
-    }
-    for (int a = 0; a < corners<Dim> && sum > 0; ++a)
-        if (weights[a] > 0)
-            across_.push_back({soil, solid, cornerOf(grid, cell, a), weights[a] / sum * force});
 }
 
 template <int Dim> void SharedCells<Dim>::store(std::vector<double>& cells, std::vector<double>& gaps) const {

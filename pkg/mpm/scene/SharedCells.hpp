@@ -2,9 +2,10 @@
 // Cells of the grid that soil (boxes with F-bar, and meshes bonded to them) shares with a body that has a velocity of its own (a mesh in another
 // group). Together they fill these cells, so whatever they slip, what flows through the faces is
 //     div u = 0,   u_i = sum_g V_ig v_ig / sum_g V_ig,   V_ig: volume of group g at node i,
-// but for what the soil gives way. The flux of u out of a shared cell is taken by the cells with soil in it and
-// beside it, its takers; the pressure of the takers acts on the nodes of both groups by the conjugate. Particles of
-// soil alone would not feel what a moving surface pushes into their cell (doc/explanation/volumes.md).
+// but for what soil and body give way. The flux of u out of a shared cell, less what the body in it takes, is taken by
+// the cells with soil in it and beside it, its takers; the pressure of the takers acts on the nodes of both groups by the
+// conjugate. So a pressure that is the same everywhere, in the body, too, exerts no force. Particles of soil alone would
+// not feel what a moving surface pushes into their cell (doc/theory/volumes.md).
 //
 // A taker is closed while its soil and the body fill the space and press on each other, else open: a gap, or a free
 // surface near the body. An open one goes as if there were no other group. One that was closed knows its gap while that
@@ -18,12 +19,6 @@
 namespace mpm {
 
 template <int Dim> class Scene;
-
-// Whether rates of volume change and mean stress of a body act by the cells of the grid: of boxes, and of meshes that
-// fill cells together with boxes.
-template <int Dim> bool actsByCells(const Body<Dim>& body) {
-    return body.fbar && body.cellAverage.actByCells();
-}
 
 template <int Dim> class SharedCells {
   public:
@@ -56,9 +51,15 @@ template <int Dim> class SharedCells {
         gap = opened > kept ? unknown : std::max(usedUp, opened);
         return own;
     }
-    // Rate of volume change of the soil in a taker if it is closed, 1/s. velocityOf(group, node): m/s.
-    template <class VelocityOf>
-    double rate(const Scene<Dim>& scene, int taker, VelocityOf&& velocityOf) const;
+    // What flows out of the cells in a step. velocityOf(group, node): m/s, while the step strains the bodies. One thread.
+    template <class VelocityOf> void takeFluxes(const Scene<Dim>& scene, VelocityOf&& velocityOf);
+    // Rate of volume change of the soil in a taker if it is closed, 1/s.
+    double rate(int taker) const {
+        const Taker& its = takers_.at(taker);
+        double sum = 0;
+        for (const Part& from : its.from) sum += from.part * givers_[giverAt_[from.cell]].flux;
+        return sum / its.volume;
+    }
 
     // Forces that the cells have put on a solid at a node, kN.
     struct Force {
@@ -66,8 +67,6 @@ template <int Dim> class SharedCells {
         Vec<Dim> force;
     };
     const std::vector<Force>& forces() const { return forces_; }
-    // The same forces, cell by cell, where they act across the surface: on nodes that have volumes of both.
-    const std::vector<Force>& forcesAcross() const { return across_; }
     // The same, as the sum of each cell: `node` is its number.
     const std::vector<Force>& forcesOfCells() const { return ofCells_; }
 
@@ -98,9 +97,26 @@ template <int Dim> class SharedCells {
     // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
     // is kept; and one that is used up.
     static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 3e-2;
+    // What the volume of the solids in a cell gains as a node of theirs moves, m2.
+    struct Growth {
+        int group, node;
+        Vec<Dim> slope;
+    };
     struct Giver {
         int cell;
         std::vector<Part> to;
+        std::vector<Growth> solids;
+        double ofSolids = 0; // their volume in the cell, m3
+        double flux = 0;     // to its takers in this step, m3/s
+
+        void grow(int group, int node, const Vec<Dim>& slope) {
+            for (Growth& solid : solids)
+                if (solid.node == node && solid.group == group) {
+                    solid.slope += slope;
+                    return;
+                }
+            solids.push_back({group, node, slope});
+        }
     };
 
     void findGroups(const Scene<Dim>& scene);
@@ -112,7 +128,9 @@ template <int Dim> class SharedCells {
     bool hasSoil(const Scene<Dim>& scene, int cell) const;
     void findGivers(const Scene<Dim>& scene);
     void give(const Scene<Dim>& scene, int cell);
-    bool isBesideClosed(const Grid<Dim>& grid, int cell) const;
+    void findGrowths(const Scene<Dim>& scene);
+    void addGrowth(const Scene<Dim>& scene, Body<Dim>& body);
+    bool isBesideClosed(const Grid<Dim>& grid, int cell, const std::map<int, double>& gaps) const;
     std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& cells);
     void decide(const Scene<Dim>& scene);
     double meanStressIn(const Scene<Dim>& scene, int number) const;
@@ -121,9 +139,17 @@ template <int Dim> class SharedCells {
     double fullAround(const Scene<Dim>& scene, int number);
     double insideOfAll(const Scene<Dim>& scene, int number);
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
-    void addAcross(const Grid<Dim>& grid, int cell, int soil, int solid, const Vec<Dim>& force);
+    // What the volume of a cell gains as its corner moves, m2.
+    Vec<Dim> slopeOf(const Grid<Dim>& grid, int cell, int corner) const {
+        const Vec<Dim> slopes = grid.volumeSlopes(cell, cornerOf(grid, cell, corner), half_),
+                       edges = grid.edges(cell);
+        Vec<Dim> slope;
+        for (int k = 0; k < Dim; ++k)
+            slope[k] = grid.volume(cell) / (corners<Dim> / 2 * edges[k]) * cornerSign(corner, k) * slopes[k];
+        return slope;
+    }
 
-    long step_ = -1;
+    long step_ = -1, fluxStep_ = -1;
     double half_ = 0;                    // of the edge of the boxes of the first soil along the first axis, m
     double lightness_ = 1;               // of the lightest body, its density over that of the soil; at most 1
     std::vector<char> isSoil_, isSolid_; // of groups
@@ -144,20 +170,20 @@ template <int Dim> class SharedCells {
     std::map<int, Taker> takers_;
     std::map<int, double> fullness_; // of cells that were asked for
     std::map<int, double> gaps_;     // of the takers, over their volume: opened since they were closed
-    std::vector<Force> forces_, across_, ofCells_;
+    std::vector<Force> forces_, ofCells_;
 };
 
 template <int Dim>
 template <class VelocityOf>
-double SharedCells<Dim>::rate(const Scene<Dim>& scene, int taker, VelocityOf&& velocityOf) const {
+void SharedCells<Dim>::takeFluxes(const Scene<Dim>& scene, VelocityOf&& velocityOf) {
+    if (fluxStep_ == scene.step) return;
+    fluxStep_ = scene.step;
     const Grid<Dim>& grid = scene.grid;
-    const Taker& its = takers_.at(taker);
-    double sum = 0;
-    for (const Part& from : its.from) {
-        const Vec<Dim> edges = grid.edges(from.cell);
+    for (Giver& giver : givers_) {
+        const Vec<Dim> edges = grid.edges(giver.cell);
         CornerNumbers<Dim> x; // where the corners go in the step, in cells
         for (int a = 0; a < corners<Dim>; ++a) {
-            const int node = cornerOf(grid, from.cell, a);
+            const int node = cornerOf(grid, giver.cell, a);
             Vec<Dim> u = Vec<Dim>::Zero();
             double volume = 0;
             for (size_t g = 0; g < volumes_.size(); ++g)
@@ -168,9 +194,14 @@ double SharedCells<Dim>::rate(const Scene<Dim>& scene, int taker, VelocityOf&& v
             if (volume > 0) u /= volume;
             for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
         }
-        sum += from.part * (CellAverage<Dim>::grown(grid, from.cell, x, half_) - 1) * grid.volume(from.cell);
+        giver.flux =
+            (CellAverage<Dim>::grown(grid, giver.cell, x, half_) - 1) * grid.volume(giver.cell) / scene.dt;
+        if (giver.ofSolids == 0) continue;
+        Mat<Dim> L = Mat<Dim>::Zero();
+        for (const Growth& solid : giver.solids)
+            L += velocityOf(solid.group, solid.node) * solid.slope.transpose() / giver.ofSolids;
+        giver.flux -= giver.ofSolids * ((Mat<Dim>::Identity() + scene.dt * L).determinant() - 1) / scene.dt;
     }
-    return sum / (scene.dt * its.volume);
 }
 
 } // namespace mpm

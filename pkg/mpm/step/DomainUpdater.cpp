@@ -63,7 +63,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
             if (!scene.scheme->stressFirst) return;
             region.wait();
-            sumOnNodes(region, scene, &cells_, scene.sharedCells.isWanted);
+            sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->lastInternalWork = work_[b].total();
@@ -180,17 +180,19 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             const VelocityGradient<N> L(body.particles, begin);
             byCells ? volumeRates(L, dt, end - begin, value + begin) : traces(L, end - begin, value + begin);
         });
+        if (byCells && scene.sharedCells->isWanted)
+            region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
         cells.template average<false>(region, volume, [&](int number, auto& cell) {
             const double s = cell.inside;
-            const double shared = cell.shared == 0 ? 0 : scene.sharedCells.rate(scene, number, velocityOf);
+            const double shared = cell.shared == 0 ? 0 : scene.sharedCells->rate(number);
             if (cell.shared > 0)
                 cell.mean = s * shared + (1 - s) * cell.mean;
             else if (byCells)
                 cell.mean =
                     cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
             if (cell.shared < 0)
-                cell.mean = scene.sharedCells.openRate(number, -cell.shared, dt, cell.mean, shared);
+                cell.mean = scene.sharedCells->openRate(number, -cell.shared, dt, cell.mean, shared);
         });
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {

@@ -28,7 +28,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
             if (region.failed()) return;
             locateCells(region, scene);
             sumOnNodes(region, scene, scene.scheme->stressFirst ? nullptr : &cells_,
-                       scene.sharedCells.isWanted);
+                       scene.sharedCells->isWanted);
         });
         for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;
         holdDrivenNodes(scene, drivenMass_);

@@ -133,7 +133,7 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
         auto& body = *scene.bodies[b];
         auto& field = scene.grid.fields[body.velocityField];
         const bool byCells = withForce && actsByCells(body);
-        if (byCells) (*cells)[b].takeOut(region, body, scene.grid, scene.sharedCells);
+        if (byCells) (*cells)[b].takeOut(region, body, scene.grid, *scene.sharedCells);
         body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
         if (byCells) (*cells)[b].add(region, body, scene.grid);
     };
@@ -144,12 +144,12 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
     for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (!comesLater(*scene.bodies[b])) add(b);
     if (!isShared) return;
-    region.once([&] { scene.sharedCells.find(scene); });
+    region.once([&] { scene.sharedCells->find(scene); });
     for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (comesLater(*scene.bodies[b])) add(b);
     region.once([&] {
-        scene.sharedCells.takeVolumes(scene);
-        if (withForce) scene.sharedCells.addForces(scene);
+        scene.sharedCells->takeVolumes(scene);
+        if (withForce) scene.sharedCells->addForces(scene);
     });
 }
 

@@ -9,6 +9,7 @@ Grading                        a grid whose cells grow outside of a box
 loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
+heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
 MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
@@ -72,9 +73,12 @@ from .geometry.meshInput import meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
 from .geometry.region import Region
 from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
+from .geometry.terrain import Terrain, heightField
 from .geotech.limitLoad import limitLoad
 from .geotech.safety import safety
 from .io.history import History
+from .io.maps import TerrainMaps
+from .io.rasters import readTerrain
 from .io.recorder import Recorder
 from .material import elementTest
 from .material import materials as _materials

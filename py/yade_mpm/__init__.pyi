@@ -41,9 +41,13 @@ from .geometry.regions import everywhere as everywhere
 from .geometry.regions import halfSpace as halfSpace
 from .geometry.regions import polygon as polygon
 from .geometry.regions import sphere as sphere
+from .geometry.terrain import Terrain as Terrain
+from .geometry.terrain import heightField as heightField
 from .geotech.limitLoad import limitLoad as limitLoad
 from .geotech.safety import safety as safety
 from .io.history import History as History
+from .io.maps import TerrainMaps as TerrainMaps
+from .io.rasters import readTerrain as readTerrain
 from .io.recorder import Recorder as Recorder
 from .material import elementTest as elementTest
 from .material.materials import Material as Material

@@ -152,7 +152,7 @@ def test_completion_of_a_scene_shows_no_internals():
 
 
 def test_the_module_of_shapes_shows_the_shapes_alone():
-    assert set(dir(mpm.rigid)) == {"Box", "Facet", "Shape", "Sphere", "Wall"}
+    assert set(dir(mpm.rigid)) == {"Box", "Facet", "HeightField", "Shape", "Sphere", "Wall"}
 
 
 @pytest.mark.parametrize("name", research.LOOPS["Scene"])

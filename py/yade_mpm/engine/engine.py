@@ -74,6 +74,8 @@ STATES = {
         "bodyWork",
         "soilWork",
         "shapes",
+        "heightFields",
+        "heights",
         "states",
         "history",
         "sizes",

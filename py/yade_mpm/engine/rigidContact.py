@@ -6,7 +6,7 @@ import numpy as np
 from ..base.kinds import NUMBER, Kind, listOf, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
-from ..rigid.shapes import shapeRow
+from ..rigid.shapes import HeightField, shapeRow
 from .engine import generated
 from .records import column, withRows
 
@@ -43,8 +43,8 @@ too."""
 
         Parameters
         ----------
-        shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the
-            body.
+        shapes : `rigid.Sphere`, `Box`, `Wall`, `Facet` or `HeightField`, or a list of them (a clump), in the
+            frame of the body.
         friction : float, coefficient, -; default 0.
         position : (2,) or (3,), m; default the origin.
         orientation : (4,), unit quaternion (w, x, y, z); default not turned.
@@ -99,7 +99,8 @@ too."""
                 "(w, x, y, z)"
             )
         impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
-        rows = [shapeRow(number, shape) for shape in shapes]
+        fields = [shape for shape in shapes if isinstance(shape, HeightField)]
+        rows = [shapeRow(number, shape) for shape in shapes if not isinstance(shape, HeightField)]
         if not (isinstance(mass, (int, float, np.number)) and 0 <= mass < np.inf):
             raise ValueError(
                 f"RigidContact: mass = {shown(mass)} is not allowed; give Mg, or zero for a body that does "
@@ -108,8 +109,17 @@ too."""
         self._core.set("friction", [*self.friction, friction])
         self._core.set("masses", [*self.masses, float(mass)])
         self._core.set("adhesion", [*self.adhesion, float(adhesion)])
-        for name, more in (("shapes", rows), ("states", [state]), ("impulses", [impulse])):
-            self._core.set(name, withRows(self._core.value(name), more))
+        heights = [self._core.value("heights"), *(field.heights.ravel() for field in fields)]
+        self._core.set("heights", np.concatenate(heights).tolist())
+        tables = (
+            ("shapes", rows),
+            ("heightFields", [field.record(number) for field in fields]),
+            ("states", [state]),
+            ("impulses", [impulse]),
+        )
+        for name, more in tables:
+            if more:
+                self._core.set(name, withRows(self._core.value(name), more))
         self._core.finish()
         return number
 

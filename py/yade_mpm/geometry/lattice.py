@@ -13,6 +13,7 @@ from .. import _core
 from ..base.wording import shown
 from .numbers import formatNumber, formatPoint
 from .outline import outlineFacets
+from .terrain import Layer
 
 _EDGE_TOLERANCE = 1e-6  # of the spacing
 _SAMPLES = {2: 64, 3: 16}  # per edge of a cell that a boundary cuts
@@ -56,9 +57,12 @@ def cutCells(region, lower, upper, spacing, name):
     spacing = asSpacing(spacing, region.dim, name)
     lower, upper = _asGrid(lower, upper, region, name)
     numbers = _cellsRound(region, lower, upper, spacing, name)
-    centroids, shares = _samples(region, lower, spacing, numbers, np.linspace(0, 1, 5))
-    cut, n = (shares > 0) & (shares < 1), _SAMPLES[region.dim]
-    centroids[cut], shares[cut] = _samples(region, lower, spacing, numbers[cut], (np.arange(n) + 0.5) / n)
+    if isinstance(region, Layer):
+        centroids, shares = region.shareOf(lower + (numbers + 0.5) * spacing, spacing)
+    else:
+        centroids, shares = _samples(region, lower, spacing, numbers, np.linspace(0, 1, 5))
+        cut, n = (shares > 0) & (shares < 1), _SAMPLES[region.dim]
+        centroids[cut], shares[cut] = _samples(region, lower, spacing, numbers[cut], (np.arange(n) + 0.5) / n)
     inside = _notEmpty(np.flatnonzero(shares >= _LEAST_SHARE), region, spacing, name)
     return centroids[inside], shares[inside], numbers[inside]
 

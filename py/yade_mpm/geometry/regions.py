@@ -9,6 +9,7 @@ from ..base.wording import shown
 from .polygon import Polygon
 from .primitives import Ball, Box, Everywhere, HalfSpace
 from .region import Composed, Region
+from .terrain import Below, Layer
 
 
 def box(lower: ArrayLike, upper: ArrayLike) -> Region:
@@ -92,6 +93,8 @@ _CONSTRUCTORS = {
     "polygon": polygon,
     "halfSpace": halfSpace,
     "everywhere": everywhere,
+    "below": Below,
+    "layer": Layer,
 }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base.wording import shown
 from ..geometry.numbers import floats
+from ..geometry.terrain import Terrain
 
 
 class Shape:
@@ -126,6 +127,40 @@ class Facet(Shape):
         }
 
 
+@dataclass
+class HeightField(Shape):
+    """Ground by heights on a raster, solid below: the bilinear surface, averaged over a cell of the raster,
+    so that it has no edges. Beyond the raster it goes on straight.
+
+    Parameters
+    ----------
+    heights : m, (columns, rows) along x and y, height along z; in a 2D scene (columns,), height along y.
+    spacing : m, between two heights; one number, or two.
+    origin : m, x (and y) of the first height; default the origin of the body.
+    """
+
+    heights: np.ndarray
+    spacing: float
+    origin: tuple | None = None
+
+    def __post_init__(self):
+        ground = Terrain(self.heights, self.spacing, self.origin)
+        self.heights, self.spacing, self.origin = ground.heights, ground.spacing, ground.origin
+
+    def record(self, body):
+        """Row of the table of height fields that the solver reads; its heights stand in a table of their
+        own."""
+        columns, rows = (*self.heights.shape, 1)[:2]
+        pad = [1.0] * (3 - len(self.spacing))
+        return {
+            "body": int(body),
+            "columns": columns,
+            "rows": rows,
+            "origin": [*self.origin.tolist(), *([0.0] * len(pad))],
+            "spacing": [*self.spacing.tolist(), *pad],
+        }
+
+
 _NONE = {  # of members that a kind of shape does not have
     "centre": (0.0, 0.0, 0.0),
     "halfSize": (0.0, 0.0, 0.0),
@@ -139,7 +174,9 @@ _NONE = {  # of members that a kind of shape does not have
 def shapeRow(body, shape):
     """The members of a shape of rigid body number `body`: a row of the table that the solver reads."""
     if not isinstance(shape, Shape):
-        raise TypeError(f"RigidContact: shape = {shown(shape)}; give mpm.rigid.Sphere, Box, Wall or Facet")
+        raise TypeError(
+            f"RigidContact: shape = {shown(shape)}; give mpm.rigid.Sphere, Box, Wall, Facet or HeightField"
+        )
     row = {"body": int(body), **_NONE, **shape.row()}
     return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in row.items()}
 

@@ -15,9 +15,8 @@ class Asked(list):
         for engine in self:
             if not any(engine is other for other in engines):
                 kind = type(engine).__name__
-                call = (
-                    "scene.contact" if kind.endswith("Contact") else "gravity, damping, fix, roller or drive"
-                )
+                calls = {"Contact": "scene.contact", "RigidContact": "scene.terrain"}
+                call = calls.get(kind, "gravity, damping, fix, roller or drive")
                 raise ValueError(
                     f"Scene: the engines are without the {kind} that calls of the scene have edited "
                     f"({call}); keep it in the list, or give the chain first and call then"

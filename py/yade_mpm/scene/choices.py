@@ -7,6 +7,7 @@
 import numpy as np
 
 from ..geometry.region import Region
+from ..geometry.terrain import Layer
 from ..particle.types import classes
 from .groups import arrange
 
@@ -20,6 +21,11 @@ def particlesFor(scene, region, material):
     """The particle type that suits a body, and the reason, as text."""
     if not isinstance(region, Region):
         return classes["APDI"](), "a mesh was given"
+    if isinstance(region, Layer):
+        return (
+            classes["UGIMP"](perCell=2, cut=True, outline=False, splitAt=SPLIT),
+            "a layer on a terrain is cut to its surfaces",
+        )
     if material._core.yields:
         return classes["UGIMP"](perCell=2, splitAt=SPLIT), "the material yields and may flow"
     size = tuple((np.array(scene._core.cell) / 2).tolist())

@@ -13,7 +13,7 @@ from ..base.attributes import Guarded
 from ..base.keywords import checked
 from ..base.wording import shown
 from ..particle.body import Body
-from . import asking, axial, display
+from . import asking, axial, display, grounding
 from .adding import Bodies, add
 from .asked import Asked
 from .attaching import attach, detach
@@ -129,6 +129,7 @@ class Scene(HasEngines, HasClock, Guarded):
     attach, detach, stage, report = attach, detach, stage, report
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
     load, viscous = asking.load, viscous
+    terrain, maps = grounding.terrain, grounding.maps
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
     describe = describe
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside

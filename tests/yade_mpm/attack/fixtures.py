@@ -101,6 +101,9 @@ class Fixtures:
         self.scene.save("saved.h5")
         return self.scene
 
+    def terrain(self):
+        return self.mpm.heightField([0.0, 1.0, 0.5, 1.0], 1.0)
+
     def objects(self):
         """Dict label -> function that makes an object whose methods and attributes are tried."""
         mpm, scene = self.mpm, self.scene
@@ -129,6 +132,8 @@ class Fixtures:
             "MaterialPoint": lambda: mpm.MaterialPoint(self.material),
             "Certificate": lambda: mpm.quasiStatic(self.ofRun()),
             "Sphere": lambda: mpm.rigid.Sphere(0.5),
+            "Terrain": self.terrain,
+            "TerrainMaps": lambda: mpm.TerrainMaps(self.terrain(), 0.1, 0.1),
         }
         for name, value in vars(mpm).items():
             if name not in made and inspect.isclass(value) and issubclass(value, (mpm.engine.Engine,)):

@@ -74,6 +74,9 @@ template <int Dim> class BodyPoints {
     // How much thicker than at first a box may be that stays in touch: contact looks for points so far away.
     static constexpr double mostStretch = 0.5;
 
+    // How far from its centre a point may touch what is up to `near` beyond it, m.
+    double mostReach(double near) const { return near + (1 + mostStretch) * half_.maxCoeff(); }
+
     // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume
     // over extent.
     double area(int i, const Vec3& n) const {
@@ -109,7 +112,7 @@ template <int Dim> class BodyPoints {
             if (bins.begin(bin) == bins.end(bin)) return false;
             Vec3 x = Vec3::Zero();
             x.head<Dim>() = CellBins<Dim>::centre(grid, cell);
-            if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return false;
+            if (!isSmall && shape.isBeyond(back * (x - at.position), radius)) return false;
             for (int j = bins.begin(bin); j < bins.end(bin); ++j) {
                 bool isNear = true;
                 for (int k = 0; k < Dim; ++k) isNear &= inBin_[k][j] >= lower[k] && inBin_[k][j] <= upper[k];

@@ -10,6 +10,7 @@
 // round-off.
 #pragma once
 
+#include "mpm/contact/rigid/RigidContactPoint.hpp"
 #include "mpm/scene/Scene.hpp"
 
 namespace mpm {
@@ -41,32 +42,36 @@ struct HatMeans {
     }
 };
 
-// f(node, H(d)) of a place at d from the centre of box p, inside of it.
-template <int Dim, class F>
-void forMeansInBox(const Body<Dim>& soil, const Grid<Dim>& grid, int p, const Vec3& d, F&& f) {
-    const Vec<Dim> l = soil.domains->boxes()->halfSize();
-    HatMeans along[Dim];
-    for (int k = 0; k < Dim; ++k) {
-        const double x = soil.particles.position.plane(k)[p], half = std::max(0.0, l[k] - std::abs(d[k]));
-        along[k] = HatMeans(grid, k, x, x + d[k] - half, x + d[k] + half);
-    }
-    for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
-        int node = 0;
-        double weight = 1;
-        for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
-            node += (along[k].first + rest % 3) * grid.strides[k];
-            weight *= along[k].mean[rest % 3];
+// H(d) of a place at d from the centre of box p, inside of it.
+template <int Dim> class BoxHats {
+  public:
+    BoxHats(const Body<Dim>& soil, const Grid<Dim>& grid, int p, const Vec3& d) : grid_(grid) {
+        const Vec<Dim> l = soil.domains->boxes()->halfSize();
+        for (int k = 0; k < Dim; ++k) {
+            const double x = soil.particles.position.plane(k)[p], half = std::max(0.0, l[k] - std::abs(d[k]));
+            along_[k] = HatMeans(grid, k, x, x + d[k] - half, x + d[k] + half);
         }
-        if (weight != 0) f(node, weight);
     }
-}
 
-// f(node, w(d) - phi), in two parts.
-template <int Dim, class F>
-void forShiftOfWeights(const Body<Dim>& soil, const Grid<Dim>& grid, int p, const Vec3& d, F&& f) {
-    forMeansInBox(soil, grid, p, d, f);
-    forMeansInBox(soil, grid, p, Vec3::Zero(), [&](int node, double mean) { f(node, -mean); });
-}
+    // f(node, H).
+    template <class F> void forNodes(F&& f) const {
+        for (int n = 0; n < (Dim == 2 ? 3 : 9); ++n) {
+            int row = along_[0].first;
+            double across = 1;
+            for (int k = 1, rest = n; k < Dim; ++k, rest /= 3) {
+                row += (along_[k].first + rest % 3) * grid_.strides[k];
+                across *= along_[k].mean[rest % 3];
+            }
+            if (across == 0) continue;
+            for (int i = 0; i < 3; ++i)
+                if (along_[0].mean[i] != 0) f(row + i, across * along_[0].mean[i]);
+        }
+    }
+
+  private:
+    const Grid<Dim>& grid_;
+    HatMeans along_[Dim];
+};
 
 // Velocity of a node that is mapped from the particles, at the start of the step.
 template <int Dim> Vec3 mappedVelocity(const Scene<Dim>& scene, const Body<Dim>& soil, int node) {
@@ -83,16 +88,58 @@ template <int Dim> Vec3 mappedVelocity(const Scene<Dim>& scene, const Body<Dim>&
     return velocity;
 }
 
-// How fast the place at d from the centre of box p moves against the centre: by the velocities that strain
-// the box, with the weights of a force there, so that the force does work on this motion.
-template <int Dim> Vec3 strainVelocity(const Scene<Dim>& scene, const Body<Dim>& soil, int p, const Vec3& d) {
-    Vec3 v =
-        velocityGradientOf(soil, p) * d; // what is left has no slope: half of the box is in the next cell
-    soil.domains->weights(p, [&](int node, double, const Vec<Dim>& gradient) {
-        v -= gradient.dot(d.head<Dim>()) * mappedVelocity(scene, soil, node);
+// Velocities of nodes that are mapped from the particles, found once in a step: boxes in touch share them.
+template <int Dim> class MappedVelocities {
+  public:
+    void begin(const Scene<Dim>& scene) {
+        scene_ = &scene;
+        ofFields_.resize(scene.grid.fields.size());
+        for (auto& all : ofFields_) all.resize(scene.grid.count);
+        ++now_;
+    }
+
+    const Vec3& of(const Body<Dim>& soil, int node) {
+        Nodal& there = ofFields_[soil.velocityField][node];
+        if (there.found != now_) there = {mappedVelocity(*scene_, soil, node), now_};
+        return there.velocity;
+    }
+
+  private:
+    struct Nodal {
+        Vec3 velocity = Vec3::Zero();
+        int64_t found = 0;
+    };
+    const Scene<Dim>* scene_ = nullptr;
+    std::vector<std::vector<Nodal>> ofFields_;
+    int64_t now_ = 0;
+};
+
+// How the nodes round a box strain it and carry it.
+template <int Dim>
+NodalMotion nodalMotionOf(const Scene<Dim>& scene, MappedVelocities<Dim>& velocities, const Body<Dim>& soil,
+                          int p) {
+    NodalMotion motion;
+    Mat<3> gradient = Mat<3>::Zero();
+    soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
+        const Vec3& v = velocities.of(soil, node);
+        motion.centre += phi * v;
+        gradient.template leftCols<Dim>() += v * slope.transpose();
     });
-    forShiftOfWeights(soil, scene.grid, p, d,
-                      [&](int node, double weight) { v += weight * mappedVelocity(scene, soil, node); });
+    motion.excess = velocityGradientOf(soil, p) - gradient;
+    BoxHats<Dim>(soil, scene.grid, p, Vec3::Zero()).forNodes([&](int node, double H) {
+        motion.inBox += H * velocities.of(soil, node);
+    });
+    return motion;
+}
+
+// How fast the place at d from the centre of a box moves against the centre: by the velocities that strain
+// the box, with the weights of a force there, so that the force does work on this motion. L d less its part that
+// has a slope: half of the box is in the next cell. hats: of d.
+template <int Dim>
+Vec3 strainVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil, const NodalMotion& motion,
+                    const BoxHats<Dim>& hats, const Vec3& d) {
+    Vec3 v = motion.excess * d - motion.inBox;
+    hats.forNodes([&](int node, double H) { v += H * velocities.of(soil, node); });
     return v;
 }
 

@@ -29,17 +29,20 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     pairUp(int(scene.bodies.size()));
     bool isAnyMeshed = false;
     for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
-    shape_.clear();
+    makeShapes(Dim);
     area_.assign(bodies(), 0.0);
-    for (const ShapeRecord& shape : shapes) {
-        shape_.emplace_back(shape, Dim);
-        require(!isAnyMeshed || !shape_.back().isThin() || shape_.back().thickness() > 0,
-                "RigidContact: a facet of rigid body ", shape_.back().body,
+    for (const RigidShape& shape : shape_) {
+        require(!isAnyMeshed || !shape.isThin() || shape.thickness() > 0,
+                "RigidContact: a facet of rigid body ", shape.body,
                 " has no thickness, and vertices of APDI bodies would slip through; give it a thickness");
-        area_[shape.body] += shape_.back().facingArea(Dim);
-        require(Dim == 3 || shape_.back().kind != RigidShape::Triangle, "RigidContact: rigid body ",
-                shape_.back().body, " has a facet with three vertices in a 2D scene; give two");
+        area_[shape.body] += shape.facingArea(Dim);
+        require(Dim == 3 || shape.kind != RigidShape::Triangle, "RigidContact: rigid body ", shape.body,
+                " has a facet with three vertices in a 2D scene; give two");
     }
+    for (const HeightRecord& field : heightFields)
+        require((Dim == 3) == (field.rows > 1), "RigidContact: the height field of rigid body ", field.body,
+                " has ", field.rows, " rows of heights; give ",
+                Dim == 3 ? "an array (columns, rows) in a 3D scene" : "a profile (columns,) in a 2D scene");
     for (int b = 0; Dim == 2 && b < bodies(); ++b) {
         const Eigen::Quaterniond& q = states[b].orientation;
         require(std::abs(q.x()) + std::abs(q.y()) < inPlane, "RigidContact: rigid body ", b,
@@ -129,6 +132,12 @@ template <int Dim> void RigidContact::forgetRenumbered(const Scene<Dim>& scene) 
     history.erase(std::remove_if(history.begin(), history.end(), isRenumbered), history.end());
 }
 
+std::vector<int> RigidContact::particlesBefore() const {
+    std::vector<int> counts;
+    for (const BodySize& size : sizes) counts.push_back(size.particles);
+    return counts;
+}
+
 // Where the points of the scene are.
 template <int Dim> RigidContact::Points<Dim>& RigidContact::look(Scene<Dim>& scene) {
     auto& points = std::get<Points<Dim>>(points_);
@@ -153,8 +162,14 @@ template <int Dim> std::vector<int> RigidContact::overlapping(Scene<Dim>& scene,
 template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<Dim>& scene) {
     std::vector<Overlap> deepest;
     for (int b = 0; b < bodies(); ++b) deepest.push_back({b, 0, 0.0});
-    for (const RigidContactPoint& c : findOverlaps(scene))
-        if (-c.gap > deepest[c.body].depth) deepest[c.body] = {c.body, c.soil, -c.gap};
+    std::vector<RigidContactPoint> contacts = findOverlaps(scene);
+    const auto& points = std::get<Points<Dim>>(points_);
+    remember(contacts, history);
+    fitNewBoxes(points, shape_, particlesBefore(), contacts);
+    for (const RigidContactPoint& c : contacts) {
+        const double depth = points[c.soil].halfAlong(c.normal) * (c.stretch - 1) - c.gap;
+        if (depth > deepest[c.body].depth) deepest[c.body] = {c.body, c.soil, depth};
+    }
     const auto isNone = [](const Overlap& o) { return o.depth == 0; };
     deepest.erase(std::remove_if(deepest.begin(), deepest.end(), isNone), deepest.end());
     return deepest;
@@ -171,9 +186,12 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
                                          : hertzOverlap;
     std::vector<RigidContactPoint> contacts = findNearContacts(scene, points, shape_, states);
     dropRepeats(contacts, shape_);
+    const std::vector<int> known = particlesBefore();
     forgetRenumbered(scene);
     remember(contacts, history);
-    followStrain(scene, points, contacts);
+    fitNewBoxes(points, shape_, known, contacts);
+    std::get<MappedVelocities<Dim>>(velocities_).begin(scene);
+    followStrain(scene, points, std::get<MappedVelocities<Dim>>(velocities_), contacts);
     refuseCrossed(scene, points, contacts, shape_, history);
 
     forces.fill(0);
@@ -212,10 +230,16 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const double area = points.area(c.place, n);
     const double kn = bodyStiffness_[c.body] * area, kt = shearRatio * kn;
 
+    std::optional<BoxHats<Dim>> ofBox; // a vertex has none
+    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, index, arms.normal);
+    const BoxHats<Dim>* hats = ofBox ? &*ofBox : nullptr;
+
     const bool isOld = c.isOld();
+    const Vec3 against = frictionVelocity(std::get<MappedVelocities<Dim>>(velocities_), soil, c, arms, hats);
     const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 slid = isOld ? Vec3(movedSince(scene, soil, index, c, arms) - carried)
-                            : slidSinceTouch(scene, soil, index, c, arms, points.position(c.place), carried);
+    const Vec3 slid =
+        isOld ? Vec3(movedSince(scene.dt, c, against) - carried)
+              : slidSinceTouch(scene.dt, soil, index, c, against, points.position(c.place), carried);
     const double opened = isOld ? c.gap - c.gapBefore : 0;
     const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(c.place)) * opened / scene.dt;
     const double normal = std::max(0.0, kn * overlapFelt(-c.gap) - viscous);
@@ -231,9 +255,9 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const Vec3 pushed = normal * n, dragged = -kt * c.slip;
     c.force = pushed + dragged;
 
-    addForce(soil, scene.grid, index, arms, pushed, dragged,
+    addForce(soil, scene.grid, index, arms, hats, pushed, dragged,
              scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(c.soil, c.body, index, arms, pushed, dragged);
+    if (checkBalance) balance.add(c.soil, c.body, index, arms, hats, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(c.force);
     for (int k = 0; k < 3; ++k) {
         forces.plane(k)[c.body] -= c.force[k];

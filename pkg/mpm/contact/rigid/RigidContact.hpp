@@ -40,6 +40,8 @@ class RigidContact : public EngineOf<RigidContact> {
     std::vector<double> adhesion;     // kPa, of each rigid body
     std::vector<RigidPair> pairs;
     std::vector<ShapeRecord> shapes;
+    std::vector<HeightRecord> heightFields;
+    std::vector<double> heights;        // m, of all height fields, one after the other
     std::vector<RigidState> states;     // of each rigid body,
     std::vector<RigidImpulse> impulses; // and what it got since clearImpulses()
     std::vector<RigidContactPoint> history;
@@ -103,12 +105,14 @@ class RigidContact : public EngineOf<RigidContact> {
   private:
     template <int Dim> using Points = std::vector<BodyPoints<Dim>>; // per body of the scene
     std::tuple<Points<2>, Points<3>> points_;
+    std::tuple<MappedVelocities<2>, MappedVelocities<3>> velocities_;
     std::vector<RigidShape> shape_;
     std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
     std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
     std::vector<int> ownPair_;          // of each rigid body with each of the scene: row of pairs, or -1
     double softTo_ = 0;                 // m, overlap up to which the contact is softer than the penalty
 
+    void makeShapes(int dim);
     void checkState(int body, const RigidState& state) const;
     template <int Dim> void check(Scene<Dim>& scene);
     void pairUp(int soils);
@@ -118,6 +122,7 @@ class RigidContact : public EngineOf<RigidContact> {
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);
+    std::vector<int> particlesBefore() const;
     template <int Dim> Points<Dim>& look(Scene<Dim>& scene);
     template <int Dim> std::vector<RigidContactPoint> findOverlaps(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);

@@ -75,6 +75,9 @@ std::vector<Parameter> RigidContact::attributes() {
          "friction and to the springs of the contacts.",
          &soilWork},
         {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
+        {"heightFields", "", "Rasters of the height fields, a row each; made by addBody.",
+         recordsOf(heightFields)},
+        {"heights", "m", "Heights of all height fields, one after the other; made by addBody.", &heights},
         {"states", "", "Position, orientation, velocity and angular velocity, a row per rigid body.",
          recordsOf(states)},
         {"history", "", "Contacts of the last step, a row each.", recordsOf(history)},
@@ -105,11 +108,29 @@ void RigidContact::finish() {
         forces.resize(bodies());
         torques.resize(bodies());
     }
+    makeShapes(3);
+}
+
+void RigidContact::makeShapes(int dim) {
+    const auto checkBody = [&](int body) {
+        require(body >= 0 && body < bodies(), "RigidContact: there is no rigid body ", body,
+                " for a shape; use addBody");
+    };
     shape_.clear();
     for (const ShapeRecord& shape : shapes) {
-        require(shape.body >= 0 && shape.body < bodies(), "RigidContact: there is no rigid body ", shape.body,
-                " for a shape; use addBody");
-        shape_.emplace_back(shape, 3);
+        checkBody(shape.body);
+        shape_.emplace_back(shape, dim);
+    }
+    size_t first = 0;
+    for (const HeightRecord& field : heightFields) {
+        checkBody(field.body);
+        const bool isRaster = field.columns > 1 && field.rows > 0 && field.spacing.minCoeff() > 0 &&
+                              field.count() <= heights.size() - first;
+        require(isRaster, "RigidContact: the height field of rigid body ", field.body, " has ", field.columns,
+                " columns, ", field.rows, " rows and ", heights.size() - first,
+                " heights; give mpm.rigid.HeightField to addBody");
+        shape_.emplace_back(field, &heights[first]);
+        first += field.count();
     }
 }
 

@@ -8,6 +8,12 @@
 
 namespace mpm {
 
+// Sums over the nodes round a box, with the velocities that are mapped from the particles.
+struct NodalMotion {
+    Vec3 centre = Vec3::Zero(), inBox = Vec3::Zero(); // m/s, by the weights of the box, and by H(0)
+    Mat<3> excess = Mat<3>::Zero();                   // 1/s, velocity gradient of the box over theirs
+};
+
 struct RigidContactPoint {
     int soil = 0, body = 0;     // numbers of the two bodies
     int64_t id = 0;             // of the particle or vertex
@@ -39,6 +45,7 @@ struct RigidContactPoint {
     Vec3 pointBefore = Vec3::Constant(notGiven); // point (not a number: a new contact)
     double gapBefore = 0;                        // and gap in the step before
 
+    NodalMotion motion;   // of a box
     bool isKnown = false; // whether the history has the stretch
 
     bool pushes() const { return gap < 0; }

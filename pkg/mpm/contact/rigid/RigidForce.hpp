@@ -14,6 +14,7 @@
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
 
 #include <map>
+#include <optional>
 
 namespace mpm {
 
@@ -24,45 +25,44 @@ struct Arms {
 
 // How fast the place where friction acts moves against the centre of the point.
 template <int Dim>
-Vec3 frictionVelocity(const Scene<Dim>& scene, const Body<Dim>& soil, int index, const Arms& arms) {
-    if (soil.type->isMeshed()) return Vec3::Zero();
-    return strainVelocity(scene, soil, index, arms.normal) +
-           velocityGradientOf(soil, index) * (arms.friction - arms.normal);
+Vec3 frictionVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil,
+                      const RigidContactPoint& contact, const Arms& arms, const BoxHats<Dim>* hats) {
+    if (!hats) return Vec3::Zero();
+    return strainVelocity(velocities, soil, contact.motion, *hats, arms.normal) +
+           velocityGradientOf(soil, contact.place) * (arms.friction - arms.normal);
 }
 
 // How far the place where friction acts has moved since the last step. A particle's own part is taken from
-// its place: under FLIP its velocity is another one.
-template <int Dim>
-Vec3 movedSince(const Scene<Dim>& scene, const Body<Dim>& soil, int index, const RigidContactPoint& contact,
-                const Arms& arms) {
-    return contact.point - contact.pointBefore + scene.dt * frictionVelocity(scene, soil, index, arms);
+// its place: under FLIP its velocity is another one. against: frictionVelocity.
+inline Vec3 movedSince(double dt, const RigidContactPoint& contact, const Vec3& against) {
+    return contact.point - contact.pointBefore + dt * against;
 }
 
 // How far it has slid since a touch that is new in this step: the overlap tells when that was. Without it no
 // touch would bear friction in its first step, and what chatters would slide too fast. carried: by the rigid
 // body in a step.
 template <int Dim>
-Vec3 slidSinceTouch(const Scene<Dim>& scene, const Body<Dim>& soil, int index,
-                    const RigidContactPoint& contact, const Arms& arms, const Vec3& position,
-                    const Vec3& carried) {
+Vec3 slidSinceTouch(double dt, const Body<Dim>& soil, int index, const RigidContactPoint& contact,
+                    const Vec3& against, const Vec3& position, const Vec3& carried) {
     Vec3 moved = contact.point - position; // of a box: from where it is to where it is strained
     const Field& velocity =
         soil.type->isMeshed() ? soil.domains->mesh()->vertexVelocities() : soil.particles.velocity;
-    moved.head<Dim>() += scene.dt * vectorAt<Dim>(velocity, index);
-    moved += scene.dt * frictionVelocity(scene, soil, index, arms);
+    moved.head<Dim>() += dt * vectorAt<Dim>(velocity, index);
+    moved += dt * against;
     const Vec3 slid = moved - carried;
     const double closed = -slid.dot(contact.normal);
     if (!(closed > 0)) return Vec3::Zero();
     return std::min(1.0, -contact.gap / closed) * slid;
 }
 
-// Adds what nodes get of a normal and a friction force.
+// Adds what nodes get of a normal and a friction force. hats: of a box, at arms.normal.
 template <int Dim>
-void addForce(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Arms& arms, const Vec3& normal,
-              const Vec3& friction, typename NodalField<Dim>::Sum* nodes) {
+void addForce(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Arms& arms,
+              const BoxHats<Dim>* hats, const Vec3& normal, const Vec3& friction,
+              typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
-    const Vec<Dim> force = (normal + friction).template head<Dim>();
-    if (soil.type->isMeshed()) {
+    const Vec<Dim> force = (normal + friction).template head<Dim>(), dragged = friction.template head<Dim>();
+    if (!hats) {
         soil.domains->mesh()->addVertexForce(index, force, nodes);
         return;
     }
@@ -71,10 +71,12 @@ void addForce(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Arm
     };
     const Vec<Dim> beyond = (arms.friction - arms.normal).template head<Dim>();
     soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
-        add(node, phi * force + gradient.dot(beyond) * friction.template head<Dim>());
+        add(node, phi * force + gradient.dot(beyond) * dragged);
     });
-    forShiftOfWeights(soil, grid, index, arms.normal,
-                      [&](int node, double weight) { add(node, weight * force); });
+    hats->forNodes([&](int node, double H) { add(node, H * force); });
+    BoxHats<Dim>(soil, grid, index, Vec3::Zero()).forNodes([&](int node, double H) {
+        add(node, -H * force);
+    });
 }
 
 // What the nodes get from each rigid body by each body of the scene, against what the rigid body gets.
@@ -84,10 +86,11 @@ template <int Dim> class RigidBalance {
 
     RigidBalance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(int soil, int body, int index, const Arms& arms, const Vec3& normal, const Vec3& friction) {
+    void add(int soil, int body, int index, const Arms& arms, const BoxHats<Dim>* hats, const Vec3& normal,
+             const Vec3& friction) {
         auto& nodes = nodes_[body][soil];
         if (nodes.empty()) nodes.assign(scene_.grid.count, NF::Sum::zero());
-        addForce(*scene_.bodies[soil], scene_.grid, index, arms, normal, friction, nodes.data());
+        addForce(*scene_.bodies[soil], scene_.grid, index, arms, hats, normal, friction, nodes.data());
     }
 
     // forces, torques: on the rigid bodies.

@@ -6,19 +6,16 @@
 #pragma once
 
 #include "mpm/base/require.hpp"
+#include "mpm/contact/rigid/HeightSurface.hpp"
 #include "mpm/contact/rigid/RigidState.hpp"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 
 namespace mpm {
-
-struct Surface {
-    double distance; // m, negative inside
-    Vec3 normal;     // outward, at the nearest point of the surface
-};
 
 // What a shape is given by; members that its kind does not have stay zero. In the frame of the body.
 struct ShapeRecord {
@@ -45,7 +42,7 @@ struct ShapeRecord {
 
 class RigidShape {
   public:
-    enum Kind { Sphere, Box, Wall, Capsule, Triangle };
+    enum Kind { Sphere, Box, Wall, Capsule, Triangle, HeightField };
 
     int body;
     Kind kind;
@@ -66,6 +63,10 @@ class RigidShape {
         if (kind == Box) point_[1][2] = endless;
     }
 
+    RigidShape(const HeightRecord& given, const double* heights)
+        : body(given.body), kind(HeightField), point_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()},
+          ground_(std::make_shared<HeightSurface>(given, heights)) {}
+
     static Kind kindOf(const std::string& name) {
         static const char* const names[] = {"Sphere", "Box", "Wall", "Capsule", "Triangle"};
         for (int k = Sphere; k <= Triangle; ++k)
@@ -82,6 +83,7 @@ class RigidShape {
                      kind == Triangle ? std::max(point_[1].norm(), point_[2].norm()) : point_[1].norm());
         switch (kind) {
         case Wall:
+        case HeightField:
             return std::numeric_limits<double>::infinity();
         case Box:
             return point_[0].norm() + point_[1].norm();
@@ -94,9 +96,9 @@ class RigidShape {
     bool isCentredSphere() const { return kind == Sphere && point_[0].isZero(0); }
 
     // Of the shape as seen from where it is seen largest, m2 (2D: m): what the soil can touch at once. Of
-    // a wall zero: not known.
+    // a shape without end zero: not known.
     double facingArea(int dim) const {
-        if (kind == Wall) return 0;
+        if (isEndless()) return 0;
         const RigidState unmoved;
         Vec3 lower, upper;
         bounds(unmoved, lower, upper);
@@ -108,6 +110,12 @@ class RigidShape {
 
     double thickness() const { return 2 * radius_; }
     bool isThin() const { return kind == Capsule || kind == Triangle; }
+    bool isEndless() const { return kind == Wall || kind == HeightField; }
+
+    // Whether all of the shape is further than `radius` from x; asked before the distance where that takes longer.
+    bool isBeyond(const Vec3& x, double radius) const {
+        return kind == HeightField ? ground_->isBeyond(x, radius) : nearest(x).distance > radius;
+    }
 
     Surface nearest(const Vec3& x) const {
         switch (kind) {
@@ -119,6 +127,8 @@ class RigidShape {
             return nearestOfBox(x);
         case Capsule:
             return around(x, onSegment(x, point_[0], point_[1]), sideOfSegment());
+        case HeightField:
+            return ground_->nearest(x);
         default:
             return around(x, onTriangle(x), sideOfTriangle());
         }
@@ -127,8 +137,7 @@ class RigidShape {
     // f(surface) for the directions in which a box of some extent can be clear of the shape: that of the
     // nearest point, and the flat sides. A box beside an edge is clear along a side although its corner, seen
     // along the diagonal, is not.
-    template <class F> void directions(const Vec3& x, F&& f) const {
-        const Surface nearest = this->nearest(x);
+    template <class F> void directions(const Vec3& x, const Surface& nearest, F&& f) const {
         f(nearest);
         if (nearest.distance <= 0) return;
         if (kind == Box) {
@@ -147,7 +156,7 @@ class RigidShape {
     // Box in space around the shape.
     void bounds(const RigidState& at, Vec3& lower, Vec3& upper) const {
         const double far = std::numeric_limits<double>::infinity();
-        if (kind == Wall) {
+        if (isEndless()) {
             lower.setConstant(-far);
             upper.setConstant(far);
             return;
@@ -172,6 +181,7 @@ class RigidShape {
     Vec3 point_[3]; // centre or vertices; of a box its half edges second, of a wall its normal
     Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
     double radius_ = 0;
+    std::shared_ptr<const HeightSurface> ground_; // of a height field
 
     // Rounded by radius_ about the point c of a core; `side`: the normal where x lies on the core.
     Surface around(const Vec3& x, const Vec3& c, const Vec3& side) const {

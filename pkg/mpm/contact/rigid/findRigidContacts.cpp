@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/contact/rigid/findRigidContacts.hpp"
 
-#include "mpm/contact/rigid/BoxSurface.hpp"
-
 namespace mpm {
 
 namespace {
@@ -23,14 +21,12 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 // From a particle to where it would be had it moved with the velocity that strains it. That one is mapped
 // back from the particles (MUSL, USF), the one that moves them is not; under FLIP what lies between them adds
 // up to dt (v_p - sum phi_i v_i).
-template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, int p) {
-    Vec3 straining = Vec3::Zero(), own = Vec3::Zero();
+template <int Dim>
+Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, const RigidContactPoint& c) {
+    Vec3 own = Vec3::Zero();
     if (soil.type->isMeshed() || !scene.scheme->remaps) return own;
-    soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
-        straining += phi * mappedVelocity(scene, soil, node);
-    });
-    own.head<Dim>() = vectorAt<Dim>(soil.particles.velocity, p);
-    return scene.dt * (straining - own);
+    own.head<Dim>() = vectorAt<Dim>(soil.particles.velocity, c.place);
+    return scene.dt * (c.motion.centre - own);
 }
 
 } // namespace
@@ -48,9 +44,13 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
             points[soil].near(shape, at, scene.grid, [&](int i) {
                 const Vec3 x = points[soil].position(i);
                 const Vec3 local = R.transpose() * (x - at.position);
+                if (shape.kind == RigidShape::HeightField &&
+                    shape.isBeyond(local, points[soil].mostReach(near)))
+                    return;
                 double gap = -std::numeric_limits<double>::max();
                 Vec3 n;
-                shape.directions(local, [&](const Surface& s) {
+                const Surface nearest = shape.nearest(local);
+                shape.directions(local, nearest, [&](const Surface& s) {
                     const Vec3 normal = R * s.normal;
                     const double clear = s.distance - points[soil].halfAlong(normal);
                     if (clear <= gap) return;
@@ -59,7 +59,6 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
                 });
                 const double half = points[soil].halfAlong(n);
                 if (gap >= near + BodyPoints<Dim>::mostStretch * half) return;
-                const Surface s = shape.nearest(local);
                 RigidContactPoint contact;
                 contact.soil = soil;
                 contact.body = shape.body;
@@ -69,7 +68,7 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
                 contact.gap = gap;
                 contact.place = i;
                 contact.shape = int(&shape - shapes.data());
-                contact.edge = local - s.distance * s.normal;
+                contact.edge = local - nearest.distance * nearest.normal;
                 contacts.push_back(contact);
             });
     }
@@ -117,22 +116,39 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
 }
 
 template <int Dim>
+void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<RigidShape>& shapes,
+                 const std::vector<int>& known, std::vector<RigidContactPoint>& contacts) {
+    for (RigidContactPoint& c : contacts) {
+        const bool isNewBody = c.soil >= int(known.size());
+        const bool isNew =
+            isNewBody ? shapes[c.shape].kind == RigidShape::HeightField : c.id >= known[c.soil];
+        const double half = points[c.soil].halfAlong(c.normal);
+        if (!isNew || c.isKnown || c.gap >= 0 || half == 0) continue;
+        c.stretch = std::max(0.0, 1 + c.gap / half);
+        c.isKnown = true;
+    }
+}
+
+template <int Dim>
 void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                  std::vector<RigidContactPoint>& contacts) {
+                  MappedVelocities<Dim>& velocities, std::vector<RigidContactPoint>& contacts) {
     const double cell = scene.grid.smallestCell().minCoeff(), least = -roundOff * cell;
     std::vector<RigidContactPoint> kept;
     kept.reserve(contacts.size());
     for (RigidContactPoint& c : contacts) {
         if (!c.isKnown && c.gap >= BodyPoints<Dim>::mostShift * cell) continue;
         const Body<Dim>& soil = *scene.bodies[c.soil];
-        const Vec3 shift = toStrainedPlace(scene, soil, c.place);
+        if (!soil.type->isMeshed()) c.motion = nodalMotionOf(scene, velocities, soil, c.place);
+        const Vec3 shift = toStrainedPlace(scene, soil, c);
         c.point += shift;
         c.gap += c.normal.dot(shift);
         const bool isClear = c.gap >= least; // with its first thickness
         const double half = points[c.soil].halfAlong(c.normal);
         if (c.isKnown && half > 0) {
             const Vec3 arm = points[c.soil].armAlong(c.normal, c.stretch);
-            const double thicker = -c.normal.dot(strainVelocity(scene, soil, c.place, arm)) * scene.dt;
+            const BoxHats<Dim> hats(soil, scene.grid, c.place, arm);
+            const Vec3 against = strainVelocity(velocities, soil, c.motion, hats, arm);
+            const double thicker = -c.normal.dot(against) * scene.dt;
             c.stretch = std::clamp(c.stretch + thicker / half, 0.0, 1 + BodyPoints<Dim>::mostStretch);
         }
         c.gap -= half * (c.stretch - 1);
@@ -148,9 +164,13 @@ template std::vector<RigidContactPoint> findNearContacts(const Scene<2>&, const 
 template std::vector<RigidContactPoint> findNearContacts(const Scene<3>&, const std::vector<BodyPoints<3>>&,
                                                          const std::vector<RigidShape>&,
                                                          const std::vector<RigidState>&);
-template void followStrain(const Scene<2>&, const std::vector<BodyPoints<2>>&,
+template void fitNewBoxes(const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,
+                          const std::vector<int>&, std::vector<RigidContactPoint>&);
+template void fitNewBoxes(const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
+                          const std::vector<int>&, std::vector<RigidContactPoint>&);
+template void followStrain(const Scene<2>&, const std::vector<BodyPoints<2>>&, MappedVelocities<2>&,
                            std::vector<RigidContactPoint>&);
-template void followStrain(const Scene<3>&, const std::vector<BodyPoints<3>>&,
+template void followStrain(const Scene<3>&, const std::vector<BodyPoints<3>>&, MappedVelocities<3>&,
                            std::vector<RigidContactPoint>&);
 
 } // namespace mpm

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mpm/contact/rigid/BodyPoints.hpp"
+#include "mpm/contact/rigid/BoxSurface.hpp"
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
 
 namespace mpm {
@@ -22,10 +23,16 @@ void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<Rig
 // normal. Both are sorted.
 void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidContactPoint>& before);
 
+// Boxes that are new are as thick as fits, so that they start without overlap: the halves of one that was cut, and
+// boxes of a new body on ground, which its region was cut to. known: particles of each body in the step before.
+template <int Dim>
+void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<RigidShape>& shapes,
+                 const std::vector<int>& known, std::vector<RigidContactPoint>& contacts);
+
 // Gaps where the strain has moved the points, and the surfaces of boxes that are in touch. Contacts that
 // overlap stay, and boxes that would if they had their first thickness: it comes back when they are clear.
 template <int Dim>
 void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                  std::vector<RigidContactPoint>& contacts);
+                  MappedVelocities<Dim>& velocities, std::vector<RigidContactPoint>& contacts);
 
 } // namespace mpm

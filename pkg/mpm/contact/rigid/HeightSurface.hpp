@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Ground given by heights on a raster (2D: a profile), solid below. The surface is the bilinear one through the
+// heights, averaged over a cell of the raster around each place: quadratic B-splines. So it has a normal
+// everywhere, a plane stays a plane to round-off, and no distance takes longer than a few look-ups. Beyond the
+// raster it goes on straight.
+#pragma once
+
+#include "mpm/base/require.hpp"
+#include "mpm/base/types.hpp"
+#include "mpm/contact/rigid/Surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace mpm {
+
+// What a height field is given by, in the frame of its body: heights are along the last axis of the scene.
+struct HeightRecord {
+    int body = 0, columns = 0, rows = 1;              // rows: along the second axis; 1 in 2D
+    Vec3 origin = Vec3::Zero(), spacing = Vec3::Ones(); // m; of the first height, between two
+
+    template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+        visit("body", "", row.body);
+        visit("columns", "", row.columns);
+        visit("rows", "", row.rows);
+        visit("origin", "m", row.origin);
+        visit("spacing", "m", row.spacing);
+    }
+    size_t count() const { return size_t(columns) * rows; }
+};
+
+class HeightSurface {
+  public:
+    // heights: m, column by column (the second axis fastest).
+    HeightSurface(const HeightRecord& given, const double* heights)
+        : size_{given.columns, given.rows}, axes_(given.rows > 1 ? 2 : 1) {
+        for (int k = 0; k < axes_; ++k) {
+            origin_[k] = given.origin[k];
+            spacing_[k] = given.spacing[k];
+        }
+        extend(heights);
+        double steepest[2] = {0, 0};
+        for (int a = 0; a < axes_; ++a)
+            for (int i = 0; i < size_[0]; ++i)
+                for (int j = 0; j < size_[1]; ++j) steepest[a] = std::max(steepest[a], rise(i, j, a));
+        longest_ = std::hypot(1.0, steepest[0], steepest[1]);
+    }
+
+    // Whether all of the ground is further away than `radius` from a place above it.
+    bool isBeyond(const Vec3& x, double radius) const { return x[axes_] - at(x).height > radius * longest_; }
+
+    // The second foot of the perpendicular follows from the normal at the first: what is left of the error is
+    // (distance over radius of curvature) squared, and nothing on a plane.
+    Surface nearest(const Vec3& x) const {
+        const Surface first = asPlane(x, x);
+        return asPlane(x, x - first.distance * first.normal);
+    }
+
+  private:
+    struct Place {
+        double height, slope[2];
+    };
+
+    int size_[2], axes_;
+    double origin_[2] = {0, 0}, spacing_[2] = {1, 1};
+    double longest_ = 1; // height above the surface over distance from it, at most
+    std::vector<double> heights_; // with a row more on every side
+
+    double heightAt(int i, int j) const { return heights_[size_t(i + 1) * (size_[1] + 2) + j + 1]; }
+
+    // Steepest rise beside a place of the raster along an axis.
+    double rise(int i, int j, int axis) const {
+        const double here = heightAt(i, j);
+        const double after = axis ? heightAt(i, j + 1) : heightAt(i + 1, j);
+        const double before = axis ? heightAt(i, j - 1) : heightAt(i - 1, j);
+        return std::max(std::abs(after - here), std::abs(here - before)) / spacing_[axis];
+    }
+
+    void extend(const double* heights) {
+        const int rows = size_[1] + 2;
+        heights_.resize(size_t(size_[0] + 2) * rows);
+        for (int i = 0; i < size_[0]; ++i) {
+            double* row = &heights_[size_t(i + 1) * rows];
+            std::copy_n(heights + size_t(i) * size_[1], size_[1], row + 1);
+            row[0] = axes_ > 1 ? 2 * row[1] - row[2] : row[1];
+            row[rows - 1] = axes_ > 1 ? 2 * row[rows - 2] - row[rows - 3] : row[1];
+        }
+        for (int j = 0; j < rows; ++j) {
+            const auto of = [&](int i) -> double& { return heights_[size_t(i) * rows + j]; };
+            of(0) = 2 * of(1) - of(2);
+            of(size_[0] + 1) = 2 * of(size_[0]) - of(size_[0] - 1);
+        }
+    }
+
+    struct Weights {
+        int middle;
+        double value[3] = {0, 1, 0}, slope[3] = {0, 0, 0}; // slope: 1/m
+        double beyond = 0;                                 // m, from the raster
+    };
+    Weights weightsAt(double x, int axis) const {
+        const double inCells = (x - origin_[axis]) / spacing_[axis];
+        const double u = std::clamp(inCells, 0.0, size_[axis] - 1.0);
+        Weights w;
+        w.middle = int(u + 0.5);
+        w.beyond = (inCells - u) * spacing_[axis];
+        const double t = u - w.middle, before = 0.5 - t, after = 0.5 + t;
+        w.value[0] = 0.5 * before * before;
+        w.value[1] = 0.75 - t * t;
+        w.value[2] = 0.5 * after * after;
+        w.slope[0] = -before / spacing_[axis];
+        w.slope[1] = -2 * t / spacing_[axis];
+        w.slope[2] = after / spacing_[axis];
+        return w;
+    }
+
+    // The distance from the tangent plane at the ground above or below a place.
+    Surface asPlane(const Vec3& x, const Vec3& place) const {
+        const Place here = at(place);
+        Vec3 foot = place, normal = Vec3::Zero();
+        foot[axes_] = here.height;
+        for (int a = 0; a < axes_; ++a) normal[a] = -here.slope[a];
+        normal[axes_] = 1;
+        normal.normalize();
+        return {normal.dot(x - foot), normal};
+    }
+
+    Place at(const Vec3& x) const {
+        const Weights a = weightsAt(x[0], 0), b = axes_ > 1 ? weightsAt(x[1], 1) : Weights{0};
+        Place here{0, {0, 0}};
+        for (int i = 0; i < 3; ++i) {
+            double across = 0, slope = 0;
+            for (int j = 0; j < 3; ++j) {
+                const double height = heightAt(a.middle + i - 1, b.middle + j - 1);
+                across += b.value[j] * height;
+                slope += b.slope[j] * height;
+            }
+            here.height += a.value[i] * across;
+            here.slope[0] += a.slope[i] * across;
+            here.slope[1] += a.value[i] * slope;
+        }
+        here.height += a.beyond * here.slope[0] + b.beyond * here.slope[1];
+        return here;
+    }
+};
+
+} // namespace mpm

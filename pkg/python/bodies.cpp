@@ -201,6 +201,7 @@ template <int Dim> struct BindBody {
         const auto* distortion = body.domains->distortion();
         return distortion ? distortion->hourglass() : 0;
     }
+    static bool isBeam(B& body) { return body.domains->section != nullptr; }
     static double hourglassEnergy(B& body) {
         auto* distortion = body.domains->distortion();
         return distortion ? distortion->hourglassEnergy() : 0;
@@ -254,6 +255,7 @@ template <int Dim> struct BindBody {
             .add_property("inertiaScale", bp::make_getter(&B::inertiaScale), setInertiaScale)
             .def_readwrite("isDamped", &B::isDamped)
             .def_readwrite("isImplicit", &B::isImplicit)
+            .add_property("isBeam", isBeam)
             .def_readwrite("fbar", &B::fbar)
             .def_readwrite("group", &B::group)
             .def_readwrite("converted", &B::converted)

@@ -16,6 +16,7 @@ MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
 NorSand, Sanisand                  sands of critical states; Sanisand for cycles
 MuI, HerschelBulkley, NewtonianLiquid  flows of grains, mud and water
 UMAT, MFront, PythonLaw        laws from elsewhere: Fortran, MFront, a Python function
+Beam, BeamSection              walls, plates and linings of real sections
 RandomField                    a parameter of a soil that varies at random in space
 MaterialPoint, elementTest     one point of a material, strained by hand or in a laboratory test
 UGIMP, APDI, BSpline, ParticleType                               particle types
@@ -89,6 +90,7 @@ from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
 from .recorded.results import ResultFrame, Results, read
+from .scene.beam import Beam
 from .scene.grading import Grading
 from .scene.plugins import loadPlugin
 from .scene.restoring import load

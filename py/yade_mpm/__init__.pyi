@@ -60,6 +60,7 @@ from .particle.types import ParticleType as ParticleType
 from .recorded.results import ResultFrame as ResultFrame
 from .recorded.results import Results as Results
 from .recorded.results import read as read
+from .scene.beam import Beam as Beam
 from .scene.grading import Grading as Grading
 from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load
@@ -93,6 +94,27 @@ class BSpline(ParticleType):
         self,
         *,
         perCell: float | Sequence[float] = (2.0,),
+    ) -> None: ...
+
+
+class BeamSection(Material):
+    """Cross-section of a beam, plate or shell; made by `mpm.Beam`."""
+
+    density: float | None
+    EI: float | None
+    EA: float | None
+    thickness: float | None
+    GA: float | None
+    limitMoment: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        EI: float | None = None,
+        EA: float | None = None,
+        thickness: float | None = None,
+        GA: float | None = None,
+        limitMoment: float | None = None,
     ) -> None: ...
 
 

@@ -72,6 +72,9 @@ GIVEN = {
     "criticalVoidRatio": 0.8,
     "shearModulus": 1e3,
     "law": "function",
+    "EI": 1.0,
+    "EA": 1.0,
+    "thickness": 1.0,
 }
 OPTIONAL = {  # in place of another, or only together
     "MohrCoulombDruckerPrager": {"initialVoidRatio", "criticalVoidRatio"},

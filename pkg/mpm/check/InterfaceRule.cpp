@@ -62,7 +62,7 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
     std::unique_ptr<Boxes<Dim>> boxes;
     for (auto& body : scene.bodies) {
         auto* mesh = body->domains->mesh();
-        if (!mesh) continue;
+        if (!mesh || body->domains->section) continue; // of a beam soil meets the edges along it
         const auto& corner = mesh->cornerTable();
         for (int p = 0; p < body->particles.size(); ++p) {
             const double edge = mesh->longestEdge(p);

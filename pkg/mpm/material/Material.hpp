@@ -6,6 +6,7 @@
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
 #include "mpm/base/types.hpp"
+#include "mpm/state/SectionStiffness.hpp"
 
 #include <algorithm>
 #include <array>
@@ -120,6 +121,8 @@ class MPM_PUBLIC Material : public Configurable {
     // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
     virtual bool yields() const { return false; }
     virtual VolumeRecord volumeRecord() const { return {}; }
+    // Of a beam, whose mesh makes the forces; nullptr: the stress does.
+    virtual const SectionStiffness* section() const { return nullptr; }
     // Whether update() gets all particles of a body at once, from one thread.
     virtual bool takesWholeBody() const { return false; }
 

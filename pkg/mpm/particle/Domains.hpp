@@ -14,6 +14,7 @@
 #include "mpm/particle/Mesh.hpp"
 #include "mpm/state/BlockOrder.hpp"
 #include "mpm/state/Particles.hpp"
+#include "mpm/state/SectionStiffness.hpp"
 
 #include <array>
 #include <functional>
@@ -73,6 +74,8 @@ template <int Dim> class MPM_PUBLIC Domains {
     // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it
     // already.
     virtual void volumes(int /*begin*/, int /*end*/) {}
+    // Last: what resists by itself, not by the stress, notes its new state. Returns its work in the step, kJ. One thread.
+    virtual double finishStep() { return 0; }
 
     // --- besides the step ---------------------------------------------------------------------------
     // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the
@@ -126,6 +129,9 @@ template <int Dim> class MPM_PUBLIC Domains {
     std::function<void(int begin, int end, double* lambda, double* mu)> stiffness;
     // Shear stress that their material can bear, kPa; infinite where nothing yields. Set by the body.
     std::function<void(int begin, int end, double* strength)> shearStrength;
+
+    // Of a beam, see Material::section().
+    const SectionStiffness* section = nullptr;
 
   protected:
     std::vector<MovedEnergy> moved_; // per piece of work

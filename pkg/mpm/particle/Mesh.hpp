@@ -36,6 +36,14 @@ template <int Dim> class Mesh {
     virtual void strains(int p, const EachStrain& each, double* stiffness) const = 0;
     // And how far the domain is from a linear deformation, what they resist: of each pattern and axis, m.
     virtual void amplitude(int p, double (*h)[Dim]) const = 0;
+    // Of a beam, what strains domain p besides: a row of numbers r for each way e_r = sum_n row_rn . u_n in which it is
+    // strained, each(node, rows); `rows`: the stiffness of each, kN m, and k_r e_r as it is. Returns their number.
+    static constexpr int mostRows = 7;
+    struct Rows {
+        double stiffness[mostRows], force[mostRows];
+    };
+    using EachRow = std::function<void(int, const double (*)[Dim])>;
+    virtual int beamRows(int p, const EachRow& each, Rows& rows) const = 0;
     // Longest edge of domain p, m, and what it was when the displacement was zero.
     virtual double longestEdge(int p) const = 0;
     virtual double initialEdge(int p) const = 0;

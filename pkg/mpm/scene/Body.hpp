@@ -42,6 +42,7 @@ template <int Dim> class Body {
         domains->shearStrength = [this](int begin, int end, double* strength) {
             shearStrength(begin, end, strength);
         };
+        domains->section = material->section();
         for (const StateVariable& v : material->stateVariables())
             particles.state.emplace_back(v.name, v.unit, v.doc);
     }

@@ -66,7 +66,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
-            scene.bodies[b]->lastInternalWork = work_[b].total();
+            scene.bodies[b]->lastInternalWork = work_[b].total() + scene.bodies[b]->domains->finishStep();
             scene.bodies[b]->internalWork += scene.bodies[b]->lastInternalWork;
             scene.bodies[b]->cellAverage.forget();
             refuseDistortion(scene, *scene.bodies[b]);

@@ -80,8 +80,24 @@ void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
                         lambda * g.trace[i] * q.trace[j] + mu * g.g[j] * q.g[i] + (i == j ? diagonal : 0.0);
             }
             stiffness_.at(row, column) += 2 * mu * g.hoop * q.hoop;
+            if (particle.rows) addBeam(strained, particle, order_[a], order_[b]);
         }
     }
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::addBeam(const StrainedNodes<Dim>& strained,
+                                  const typename StrainedNodes<Dim>::Strained& particle,
+                                  const Numbered& below, const Numbered& above) {
+    const auto rowsOf = [&](const Numbered& at) {
+        return strained.beamRows[at.second - strained.entries.data()];
+    };
+    const auto a = rowsOf(below), b = rowsOf(above);
+    for (int r = 0; r < particle.rows; ++r)
+        for (int j = 0; j < Dim; ++j)
+            for (int i = &below == &above ? j : 0; i < Dim; ++i)
+                stiffness_.at(below.first + i, above.first + j) +=
+                    particle.rowStiffness[r] * a.row[r][i] * b.row[r][j];
 }
 
 template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<Dim>& gravity) {

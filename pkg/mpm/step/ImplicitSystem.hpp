@@ -50,7 +50,8 @@ template <int Dim> class ImplicitSystem {
   private:
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
-    std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
+    using Numbered = std::pair<int, const typename StrainedNodes<Dim>::Entry*>;
+    std::vector<Numbered> order_; // of the particle in work
     std::vector<Vec<Dim>> atStart_,
         weight_; // of the bodies: force of their stress at the start of the step; kN
 
@@ -61,6 +62,8 @@ template <int Dim> class ImplicitSystem {
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
              const std::vector<int>& number);
+    void addBeam(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
+                 const Numbered& below, const Numbered& above);
     void react(Scene<Dim>& scene, int unknown, double force) const;
 };
 

@@ -24,8 +24,14 @@ template <int Dim> class StrainedNodes {
         int begin, end;           // of its entries; each node is there once
         double lambda, mu;        // times the volume, kN m (2D: per m)
         double control[patterns]; // kN/m (2D: per m)
+        int rows = 0;             // in which a beam is strained
+        double rowStiffness[Mesh<Dim>::mostRows] = {};
+    };
+    struct BeamRows {
+        double row[Mesh<Dim>::mostRows][Dim] = {}; // see Mesh::beamRows()
     };
     std::vector<Entry> entries;
+    std::vector<BeamRows> beamRows; // of each entry, where the body is a beam
     std::vector<Strained> particles;
 
     // Of particles first to last - 1, at most chunkSize, that are strained. isIn(node): whether a node counts.
@@ -34,11 +40,12 @@ template <int Dim> class StrainedNodes {
               IsIn&& isIn) {
         entries.clear();
         particles.clear();
+        beamRows.clear();
         double lambda[chunkSize], mu[chunkSize];
         body.stiffness(first, last, lambda, mu);
         for (int p = first; p < last; ++p) {
             if (!isStrained(p)) continue;
-            const double volume = body.particles.volume.plane()[p];
+            const double volume = body.domains->section ? 0 : body.particles.volume.plane()[p];
             particles.push_back(
                 {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], {}});
             findOf(body, p, body.particles.mass.plane()[p] * gravity, isIn);
@@ -73,6 +80,7 @@ template <int Dim> class StrainedNodes {
             for (int m = 0; m < patterns && gamma; ++m) entry.gamma[m] += gamma[m];
         };
         if (const auto* mesh = body.domains->mesh()) {
+            if (body.domains->section) findBeam(*mesh, p, entryOf, isIn);
             double h[patterns][Dim];
             mesh->strains(p, add, particle.control);
             mesh->amplitude(p, h);
@@ -86,6 +94,26 @@ template <int Dim> class StrainedNodes {
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             add(node, phi, gradient, phi * overRadius, nullptr);
         });
+    }
+
+    template <class EntryOf, class IsIn>
+    void findBeam(const Mesh<Dim>& mesh, int p, EntryOf&& entryOf, IsIn&& isIn) {
+        Strained& particle = particles.back();
+        typename Mesh<Dim>::Rows rows;
+        particle.rows = mesh.beamRows(
+            p,
+            [&](int node, const double(*row)[Dim]) {
+                if (!isIn(node)) return;
+                const size_t e = &entryOf(node) - entries.data();
+                beamRows.resize(entries.size());
+                for (int r = 0; r < Mesh<Dim>::mostRows; ++r)
+                    for (int k = 0; k < Dim; ++k) {
+                        beamRows[e].row[r][k] += row[r][k];
+                        entries[e].force[k] -= rows.force[r] * row[r][k];
+                    }
+            },
+            rows);
+        std::copy(rows.stiffness, rows.stiffness + particle.rows, particle.rowStiffness);
     }
 };
 

@@ -6,6 +6,7 @@ import numpy as np
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.prescribed import FACES
 from ..engine.rigidContact import RigidContact
+from ..material.materials import isBeam
 
 STIFFER = 10  # a body is a structure in softer ones from this ratio of shear moduli on
 SLENDER = 4  # a body bends from this ratio of its extents on
@@ -16,7 +17,7 @@ def thinBeams(scene):
     """Yields (name, text) for bodies that are too thin for the grid and bend: structures in softer soil, and
     bodies alone on which something acts across."""
     gravity = scene._gridSolver("prepare").gravity
-    bodies = [body for body in scene.bodies if body.count]
+    bodies = [body for body in scene.bodies if body.count and not isBeam(body.material)]
     if not bodies:
         return
     softest = min(b.material.lameConstants[1] for b in bodies)

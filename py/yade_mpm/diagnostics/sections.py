@@ -9,8 +9,10 @@ import numpy as np
 
 from ..base.kinds import BODY, NUMBER, takes
 from ..base.wording import shown
+from ..material.materials import isBeam
 
 AXES = {"x": 0, "y": 1, "z": 2}
+STRAIGHT = 1e-9  # of the cosine between pieces of a line
 NEAR_END = 0.25  # cells: an end that bends is no plane
 
 
@@ -21,9 +23,9 @@ class SectionForces:
     Attributes
     ----------
     body : its name.
-    axis : (dim,), unit vector along the body, in which s grows.
+    axis : (dim,), unit vector along the body, in which s grows; of a `Beam` that is not straight (N, dim).
     across : (2D) unit vector of Q and of the deflection, to the right when one looks along the axis;
-        (3D) two of them, as rows.
+        (3D) two of them, as rows; of a `Beam` that is not straight (N, dim).
     s : (N,), m, position of the sections along the axis.
     centre : (N, dim), m, middle of the body there.
     displacement : (N, dim), m, mean displacement of the body there.
@@ -68,9 +70,13 @@ def sectionForces(body, axis=None, at=None) -> SectionForces:
         linear, and misses q h^2/8 of a load q. A point load acts on the nodes of the cells round it, so the
         peak beside it is lower. At an end of the body N and Q are those half a cell inside.
 
+    Of a `Beam` they are those of its own sections; where its line is not straight, by the length along it.
+
     Raises ValueError for an empty body, one with F-bar, or an axis or a position that is not allowed.
     """
     _check(body)
+    if isBeam(body.material):
+        return alongBeam(body, axis, at)
     along = _axisOf(body, axis)
     width = np.abs(along) @ body.scene.cell
     ends = body.corners().reshape(-1, body.scene.dim) @ along
@@ -155,6 +161,61 @@ def normalForce(body, height):
     return _single(body, height).N[0]
 
 
+def alongBeam(body, axis, at):
+    """The forces in the cross-sections of a `Beam`: the mean of both elements that meet there."""
+    ends = _sectionsOf(body, body.vertices)
+    before = _sectionsOf(body, np.asarray(body._core.view("vertexReference", True)))
+    span = np.diff(ends, axis=0)
+    length = np.linalg.norm(span, axis=1)
+    s, isClosed = np.concatenate(([0.0], np.cumsum(length))), np.array_equal(before[0], before[-1])
+    N, Q, M = body.normalForce, body.shearForce, body.bendingMoment
+    sides = np.stack([M + Q * length / 2, M - Q * length / 2], axis=1)  # dM/ds = -Q
+    values = [_atEnds(pair, isClosed) for pair in (np.stack([N, N], 1), np.stack([Q, Q], 1), sides)]
+    unit = span / length[:, None]
+    along = np.stack([_atEnds(np.stack([u, u], 1), isClosed) for u in unit.T], axis=1)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    first = np.diff(before, axis=0)
+    cosine = first @ first[0] / (np.linalg.norm(first, axis=1) * np.linalg.norm(first[0]))
+    isStraight = bool((cosine > 1 - STRAIGHT).all())
+    if axis is not None and not isStraight:
+        raise ValueError(
+            f"sectionForces: axis = {shown(axis)}, and '{body.name}' is not straight; leave it out"
+        )
+    if isStraight:
+        along = first[0] / np.linalg.norm(first[0])
+        s = s + ends[0] @ along
+        if axis is not None and _axisOf(body, axis) @ along < 0:
+            along, s, values[2] = -along, -s, -values[2]
+    across = np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    rows = [s, ends, ends - before, *values]
+    if isStraight and s[-1] < s[0]:
+        rows = [row[::-1] for row in rows]
+    if at is not None:
+        at = _stations(body, np.zeros(2), 0.0, (rows[0][0], rows[0][-1]), at)
+        rows = [at, *(_between(at, rows[0], row) for row in rows[1:])]
+    return SectionForces(body.name, along, across, *rows)
+
+
+def _sectionsOf(body, vertices):
+    """Middles of the cross-sections of a `Beam` in their order, m (N, 2)."""
+    corners = vertices[body.cells]
+    return np.concatenate((corners[:, [0, 3]].mean(axis=1), corners[-1:, [1, 2]].mean(axis=1)))
+
+
+def _atEnds(pair, isClosed):
+    """Of what domains have at their start and end (N, 2), what cross-sections have (N + 1,)."""
+    both = np.concatenate((pair[:1, 0], (pair[:-1, 1] + pair[1:, 0]) / 2, pair[-1:, 1]))
+    if isClosed:
+        both[[0, -1]] = (both[0] + both[-1]) / 2
+    return both
+
+
+def _between(at, s, row):
+    row = row.reshape(len(s), -1)
+    values = np.stack([np.interp(at, s, column) for column in row.T], axis=1)
+    return values if values.shape[1] > 1 else values[:, 0]
+
+
 def _single(body, height):
     return sectionForces(body, np.eye(body.scene.dim)[-1], height)
 
@@ -162,7 +223,7 @@ def _single(body, height):
 def _check(body):
     if not body.count:
         raise ValueError(f"sectionForces: '{body.name}' is empty; give a body with particles")
-    if body.scene.isAxisymmetric:
+    if body.scene.isAxisymmetric and not isBeam(body.material):
         raise ValueError(
             f"sectionForces: '{body.name}' is in an axisymmetric scene, where stress round the axis acts, "
             "too; use diagnostics.sectionForce, or the stress of the body"

@@ -256,7 +256,8 @@ def _attach(engine, who, body, at, width, other=False):
     cell = scene.cellSizeAt([at])[0]
     d = (body.position - at) / cell
     away = np.abs(d).max(axis=1)
-    if not (away <= 1).any():
+    domain = 0.5 * np.ptp(body.corners(), axis=1).max(axis=1) / cell.max()  # half of it, in cells
+    if not (away <= np.maximum(1, domain)).any():
         raise ValueError(
             f"{who}: '{body.name}' has no particle within a cell of {placeText(at)}; give a point of the body"
         )

@@ -103,6 +103,11 @@ class Material(Attributed):
         return self._core.lameConstants
 
 
+def isBeam(material):
+    """Whether it is the section of a beam, whose particles have no stress."""
+    return isinstance(material, classes["BeamSection"])
+
+
 def _isSame(one, other):
     """Whether two descriptions of what varies in space are: functions are only where they are one."""
     return one is other or not (callable(one) or callable(other)) and np.array_equal(one, other)

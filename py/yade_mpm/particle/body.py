@@ -234,6 +234,8 @@ class Body(BodyShape, Guarded):
     def implicit(self, value):
         value = _flag(self, "implicit", value)
         self._scene._refuseDuringStep("implicit")
+        if not value and self._core.isBeam:
+            raise ValueError(f"body '{self.name}': implicit = False is not allowed, a Beam is implicit")
         self._core.isImplicit = value
         self._chosen.pop("implicit", None)
         self._scene.stepper.noteChange()

@@ -46,10 +46,10 @@ def structure(stages, figure=None):
     figure = figure or plt.figure(figsize=(WIDTH, HEIGHT), layout="constrained")
     panels = figure.subplots(1, 4, sharey=True)
     for k, (name, (forces, pressure)) in enumerate(stages.items()):
-        moved = 1e3 * forces.displacement @ forces.across
+        moved = 1e3 * (forces.displacement * forces.across).sum(axis=1)
         for axes, values in zip(panels, (moved, forces.M, forces.Q)):
             axes.plot(values, forces.s, f"C{k}", label=name)
-        if pressure is not None:
+        if pressure is not None and np.ndim(forces.axis) == 1:  # of a straight body
             _drawPressure(panels[3], forces, pressure, f"C{k}")
     labels = "displacement (mm)", "moment (kN m/m)", "shear force (kN/m)", "pressure (kPa)"
     for axes, label in zip(panels, labels):

@@ -17,10 +17,11 @@ from ..geometry.lattice import checkOverlap
 from ..geometry.mesh import Mesh
 from ..geometry.numbers import placeText
 from ..geometry.region import Region
-from ..material.materials import Material
+from ..material.materials import Material, isBeam
 from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
 from . import choices
+from .beam import Beam
 from .filling import above, bodiesBelow
 from .hybrid import addHybrid
 from .running import refuseDuringStep
@@ -45,8 +46,8 @@ class Bodies(tuple):
 def add(
     scene,
     name: str,
-    region: Region | Mesh | tuple | str | os.PathLike,
-    material: Material,
+    region: Region | Mesh | Beam | tuple | str | os.PathLike,
+    material: Material | None = None,
     particles: ParticleType | None = None,
     inertiaScale: float = 1.0,
     fbar: bool | None = None,
@@ -64,7 +65,7 @@ def add(
     name : str, used in messages, results and checkpoints.
     region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), a Mesh, or the name of a mesh file.
         Domains are in the order of the cells; those of a file are renumbered in rows, for speed:
-        `body.mesh.cellNumbers` tells which cell each is.
+        `body.mesh.cellNumbers` tells which cell each is. Or a Beam, which has all but the name and the group.
     material : Material, e.g. mpm.LinearElastic(...).
     particles : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25). Default None: boxes that are
         cut as they grow long, mpm.UGIMP(perCell=2, splitAt=1.3), for a material that yields; a mesh with
@@ -95,6 +96,22 @@ def add(
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
     """
     refuseDuringStep(scene, "add")
+    if isinstance(region, Beam):
+        _refuseBesideBeam(
+            name,
+            material=material,
+            particles=particles,
+            fbar=fbar,
+            exclude=exclude,
+            flow=flow,
+            on=on,
+            water=water,
+            implicit=implicit,
+        )
+        region, material, particles = region._parts(scene, name)
+        implicit = True
+    elif isBeam(material):
+        raise ValueError(f"body '{name}': BeamSection is no material of a region; give mpm.Beam(line, ...)")
     if flow is not None:
         if particles is not None:
             raise ValueError(f"body '{name}': particles and flow are given together; flow chooses them")
@@ -138,6 +155,14 @@ def add(
                 giveWater(scene, one, water)
         choices.update(scene)
     return body
+
+
+def _refuseBesideBeam(name, implicit, **options):
+    for option, value in options.items():
+        if value is not None:
+            raise ValueError(f"body '{name}': {option} is given, and a Beam has it; leave it out")
+    if implicit is False:
+        raise ValueError(f"body '{name}': a Beam is implicit; leave implicit out")
 
 
 def _added(scene, name, region, material, type, options, exclude=None, on=None):

@@ -13,6 +13,7 @@ from ..base.keywords import checked
 from ..base.kinds import LIST, TEXT, Kind, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
+from ..material.materials import isBeam
 from ..particle.body import Body
 
 
@@ -78,7 +79,8 @@ def initialStress(
         if not isinstance(body, Body):
             instead = f"give scene[{body!r}]" if isinstance(body, str) else "give what scene.add returns"
             raise TypeError(f"initialStress: {shown(body)} among the bodies is not a body; {instead}")
-    ground = bodies or [b for b in scene.bodies if b.count and b.position[:, -1].max() < surface]
+    solid = [b for b in scene.bodies if b.count and not isBeam(b.material)]
+    ground = bodies or [b for b in solid if b.position[:, -1].max() < surface]
     if not ground:
         raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
     if wet := [b.name for b in ground if b._core.hasPores]:

@@ -7,6 +7,7 @@ import yade_mpm as mpm
 from yade_mpm.base.research import hiddenOf
 
 MATERIALS = [
+    "BeamSection",
     "HerschelBulkley",
     "LinearElastic",
     "MFront",

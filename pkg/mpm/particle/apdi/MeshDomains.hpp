@@ -106,6 +106,33 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         const HourglassAmplitude<Dim> all = hourglass_.amplitude(mesh_, deformed, p);
         std::copy(all.data(), all.data() + all.size(), &h[0][0]);
     }
+    double finishStep() override {
+        if constexpr (Dim == 2)
+            if (beam_.isHere()) return beam_.finishStep(mesh_, particles);
+        return 0;
+    }
+    int beamRows(int p, const typename Mesh<Dim>::EachRow& each,
+                 typename Mesh<Dim>::Rows& rows) const override {
+        if constexpr (Dim == 2) {
+            if (!beam_.isHere()) return 0;
+            constexpr int most = Mesh<Dim>::mostRows;
+            static_assert(most == BeamElement::rows);
+            const auto s = beam_.strained(mesh_, particles, p);
+            for (int r = 0; r < most; ++r) {
+                rows.stiffness[r] = beam_.element(p).stiffness(r);
+                rows.force[r] = rows.stiffness[r] * s.e[r];
+            }
+            for (int a = 0; a < NC; ++a)
+                Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
+                    double row[most][Dim];
+                    for (int r = 0; r < most; ++r)
+                        for (int k = 0; k < Dim; ++k) row[r][k] = part * S * s.gradient[r][a][k];
+                    each(node, row);
+                });
+            return most;
+        }
+        return 0;
+    }
     double longestEdge(int p) const override {
         return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.position));
     }
@@ -139,7 +166,7 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     }
 
   private:
-    using Base::mesh_, Base::hourglass_;
+    using Base::mesh_, Base::hourglass_, Base::beam_;
 
     // visit(begin, end) for domains whose stiffness against patterns is that of now.
     template <class Visit> void forStiffChunks(Visit&& visit) {

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What a beam, plate or shell is made of: the stiffness of its cross-section. Its mesh turns this into forces
+// (particle/apdi/BeamElement.hpp); its particles have no stress.
+#include "mpm/material/Material.hpp"
+#include "mpm/material/required.hpp"
+
+namespace mpm {
+namespace {
+
+class BeamSection : public MaterialOf<BeamSection> {
+  public:
+    std::string className() const override { return "BeamSection"; }
+    std::string doc() const override {
+        return R"(Cross-section of a beam, plate or shell; made by `mpm.Beam`.
+
+    N = EA strain,  M = EI curvature,  |M| <= limitMoment
+
+The thickness is that of the mesh; the stiffness does not depend on it. The particles have no stress.
+
+Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
+    }
+    std::vector<Parameter> parameters() override {
+        return {{"density", "Mg/m3", "required: mass by the volume of the mesh", &density, Range::positive()},
+                {"EI", "kN m2/m", "required: bending stiffness, per metre of width", &section_.EI,
+                 Range::positive()},
+                {"EA", "kN/m", "required: axial stiffness", &section_.EA, Range::positive()},
+                {"thickness", "m", "required: of the mesh", &thickness_, Range::positive()},
+                {"GA", "kN/m", "shear stiffness; None: sections stay normal to the line", &shear_,
+                 Range::positive()},
+                {"limitMoment", "kN m/m", "moment at which the section turns as a plastic hinge; None: elastic",
+                 &moment_, Range::positive()}};
+    }
+    void finish() override {
+        requireDensity(className(), density);
+        for (const auto& [name, unit, value] :
+             {std::tuple{"EI", "kN m2/m", section_.EI}, {"EA", "kN/m", section_.EA}, {"thickness", "m", thickness_}})
+            require(!std::isnan(value), className(), ": ", name, " is required; give ", name, " in ", unit);
+        section_.GA = std::isnan(shear_) ? SectionStiffness::none : shear_;
+        section_.limitMoment = std::isnan(moment_) ? SectionStiffness::none : moment_;
+    }
+    // The mesh knows them by their places (particle/apdi/Beam.hpp).
+    std::vector<StateVariable> stateVariables() const override {
+        return {{"normalForce", "kN/m", "normal force in the section, tension positive"},
+                {"shearForce", "kN/m", "shear force in the section, see sectionForces"},
+                {"bendingMoment", "kN m/m", "bending moment in the section, see sectionForces"},
+                {"hingeStart", "-", "angle of the plastic hinge at the start of the domain"},
+                {"hingeEnd", "-", "angle of the plastic hinge at the end of the domain"},
+                {"hoopForce", "kN/m", "normal force round the axis, with axial symmetry"},
+                {"hoopMoment", "kN m/m", "bending moment round the axis, with axial symmetry"}};
+    }
+    const SectionStiffness* section() const override { return &section_; }
+    // Of a plate of that thickness: waves run as fast as in the beam.
+    std::array<double, 2> lame() const override { return {0, 0.5 * section_.EA / thickness_}; }
+
+    void stateFromStress(const double stress[9], double*) const override {
+        for (int c = 0; c < 9; ++c)
+            require(stress[c] == 0, "BeamSection: particles of a beam have no stress; leave it out");
+    }
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        for (int p = 0; p < points.count; ++p) {
+            double sum = 0; // of the forces in the state, with their compliances
+            const double L = points.initialVolume[p] / thickness_, EI = section_.EI, EA = section_.EA;
+            const double over[] = {1 / EA, 1 / section_.GA + L * L / (12 * EI), 1 / EI, 0, 0, 1 / EA, 1 / EI};
+            for (int k = 0; k < 7; ++k) sum += 0.5 * over[k] * points.state[k][p] * points.state[k][p];
+            energy[p] = sum * points.initialVolume[p] / (points.volume[p] * thickness_);
+        }
+    }
+    template <int Dim> void stress(const MaterialPoints<Dim>&) const {}
+
+  private:
+    SectionStiffness section_{notGiven, notGiven};
+    double thickness_ = notGiven, shear_ = notGiven, moment_ = notGiven;
+};
+
+MPM_REGISTER(Material, BeamSection);
+
+} // namespace
+} // namespace mpm

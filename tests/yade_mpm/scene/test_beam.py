@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Beams in a scene: what is refused, checkpoints, threads, contact on both faces, energy."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from inputs import cases, elastic, refused
+from setups import restarted, withAnyThreads
+from yade_mpm import box
+
+SECTION = dict(EI=500.0, EA=1e5, weight=0.2, thickness=0.5)
+LINE = [(2.0, 0.5), (2.0, 2.5)]
+
+
+def scene(threads=1, **section):
+    """A wall in sand, which is dug away on its right side at once."""
+    made = mpm.Scene((0, 0), (4, 3), 0.25, gravity=9.81, damping=0.3, threads=threads)
+    made.fix("bottom")
+    made.roller("left", "right")
+    beam = mpm.Beam(LINE, **{**SECTION, **section})
+    sand = mpm.MohrCoulomb(density=1.8, young=2e4, poisson=0.3, cohesion=1.0, frictionAngle=0.55)
+    soil = made.add("soil", box((0, 0), (4, 2)) - beam.region, sand, mpm.UGIMP())
+    wall = made.add("wall", beam)
+    made.contact(wall, soil, friction=0.2).sharedCells = False
+    made.initialStress(surface=2, K0=0.5)
+    made.remove(region=box((2.25, 1), (4, 2)))
+    made.dt = 5e-4
+    return made
+
+
+def test_contact_presses_on_both_faces_and_the_wall_bends():
+    made = scene()
+    made.run(until=0.2, progress=False)
+    before = mpm.facePressure(made["wall"])
+    made.run(until=0.4, progress=False)
+    pressure, forces = mpm.facePressure(made["wall"], since=before), mpm.sectionForces(made["wall"], "y")
+    left, right = pressure.side("left").total[0], pressure.side("right").total[0]
+    assert left > 5 and right < -2
+    assert np.abs(forces.M).max() > 1
+    assert np.abs(made["soil"].stress).max() > 1 and not made["wall"].stress.any()
+
+
+def test_threads_and_a_restart_change_no_bit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = withAnyThreads(lambda threads: scene(threads, limitMoment=0.5), 200)
+    assert made["wall"].hingeEnd.any() or made["wall"].hingeStart.any()
+    other = restarted(made, 100)
+    assert np.array_equal(other["wall"].bendingMoment, made["wall"].bendingMoment)
+    assert np.array_equal(mpm.sectionForces(other["wall"]).M, mpm.sectionForces(made["wall"]).M)
+
+
+def test_the_energy_of_a_beam_is_in_the_balance():
+    made = mpm.Scene((0, 0), (4, 4), 0.25, threads=1, gravity=1.0)
+    made.fix("left")
+    wall = made.add("wall", mpm.Beam([(0, 2.5), (3, 2.5)], **{**SECTION, "limitMoment": 0.5}))
+    made.dt = 0.005
+    made.run(until=1.0, progress=False)
+    assert wall.hingeStart.any() or wall.hingeEnd.any()
+    assert mpm.diagnostics.storedEnergy(made) > 0
+    assert mpm.diagnostics.internalWork(made) > 1.2 * mpm.diagnostics.storedEnergy(made)
+    assert abs(mpm.diagnostics.energyError(made, relative=True)) < 0.02
+
+
+def test_a_beam_turns_without_strain():
+    made = mpm.Scene((0, 0), (6, 6), 0.25, threads=1)
+    wall = made.add("wall", mpm.Beam([(2, 3), (4, 3)], **SECTION))
+    r = wall.position - 3
+    wall.velocity[:] = 0.5 * np.stack([-r[:, 1], r[:, 0]], axis=1)
+    made.dt = 0.01
+    made.run(until=3.0, progress=False)
+    forces = mpm.sectionForces(wall)
+    assert np.arctan2(*(forces.centre[-1] - forces.centre[0])[::-1]) > 0.9  # rad
+    assert np.abs(forces.M).max() < 1e-3 * SECTION["EI"] and np.abs(forces.N).max() < 1e-4 * SECTION["EA"]
+
+
+def test_a_section_is_a_parameter_of_a_study():
+    stiff, soft = (scene(EI=EI) for EI in (500.0, 50.0))
+    moved = []
+    for made in (stiff, soft):
+        made.run(until=0.1, progress=False)
+        forces = mpm.sectionForces(made["wall"], "y")
+        moved.append(np.abs(np.diff(forces.displacement[:, 0], 2)).max())
+    assert moved[1] > 2 * moved[0]
+
+
+def beam(line=LINE, **options):
+    return mpm.Beam(line, **{**SECTION, **options})
+
+
+def add(*beside, dim=2, size=None, **options):
+    made = mpm.Scene((0,) * dim, (4,) * dim, 0.25)
+    return made.add("wall", beam(size=size), *beside, **options)
+
+
+@cases(
+    ("Beam: line ... two points", lambda: beam([(0, 0)])),
+    ("Beam: line ... two points", lambda: beam([(0, 0, 0), (1, 1, 1)])),
+    ("Beam: line has a point twice", lambda: beam([(0, 0), (0, 0), (1, 0)])),
+    ("Beam: line turns by more than 90 degrees at (1, 0)", lambda: beam([(0, 0), (1, 0), (0, 0.5)])),
+    ("Beam: EI = -1", lambda: beam(EI=-1)),
+    ("Beam: thickness = 0", lambda: beam(thickness=0)),
+    ("Beam: limitMoment = 'large'", lambda: beam(limitMoment="large")),
+    ("body 'wall': domains of a Beam ... 0.2 m long", lambda: add(size=0.2)),
+    ("body 'wall': material is given, and a Beam has it", lambda: add(elastic())),
+    ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),
+    ("body 'wall': fbar is given", lambda: add(fbar=True)),
+    ("body 'wall': a Beam is for scenes in two dimensions", lambda: add(dim=3)),
+    ("BeamSection is no material of a region", lambda: mpm.Scene((0, 0), (4, 4), 0.25).add(
+        "wall", box((1, 1), (2, 2)), add().material)),
+    ("body 'wall': implicit", lambda: setattr(add(), "implicit", False)),
+)
+def test_what_is_refused(named, make, kind):
+    refused(named, make, kind)

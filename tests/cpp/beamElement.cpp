@@ -79,8 +79,8 @@ TEST(BeamElement, HingesTurnUntilNoEndHasMoreThanTheLimit) {
     element.yield(element.strained(x, none), hinges);
     const auto s = element.strained(x, hinges);
     const double Q = element.stiffness(BeamElement::shear) * s.e[BeamElement::shear] * element.overVolume();
-    const double M = element.stiffness(BeamElement::curvature) * s.e[BeamElement::curvature] *
-                     element.overVolume();
+    const double M =
+        element.stiffness(BeamElement::curvature) * s.e[BeamElement::curvature] * element.overVolume();
     EXPECT_NEAR(std::abs(Q) * L / 2 + std::abs(M), limit, 1e-9);
     EXPECT_GT(before, element.energy(s) + limit * (std::abs(hinges[0]) + std::abs(hinges[1])));
     double again[2] = {hinges[0], hinges[1]};

@@ -141,18 +141,22 @@ def test_a_beam_on_springs_bends_as_hetenyi_says(verified):
     line = [(0.5, 2), (11.5, 2)]
     beam = scene.add("beam", mpm.Beam(line, EI=EI, EA=1e5, weight=WEIGHT, thickness=0.5))
     springs = [
-        mpm.Spring(beam, at=(x, 2), to=(x, 0.5), stiffness=k * CELL, width=CELL)
-        for x in beam.position[:, 0]
+        mpm.Spring(beam, at=(x, 2), to=(x, 0.5), stiffness=k * CELL, width=CELL) for x in beam.position[:, 0]
     ]
     grown = 20.0  # s, of many periods, so that it does not swing
-    push = mpm.Force(beam, (6, 2), lambda t: (0, -F * np.sin(np.pi / 2 * t / grown) ** 2), np.linspace(0, grown, 50))
+    push = mpm.Force(
+        beam, (6, 2), lambda t: (0, -F * np.sin(np.pi / 2 * t / grown) ** 2), np.linspace(0, grown, 50)
+    )
     scene.engines = chain(*springs, push)
     scene.dt = 0.02
     forces = solved(scene, 1000)
     middle = np.abs(forces.s - 6).argmin()
     verified(-forces.displacement[middle, 1], F * beta / (2 * k))
-    exact = -F / (4 * beta) * np.exp(-beta * abs(forces.s - 6)) * (
-        np.cos(beta * abs(forces.s - 6)) - np.sin(beta * abs(forces.s - 6))
+    exact = (
+        -F
+        / (4 * beta)
+        * np.exp(-beta * abs(forces.s - 6))
+        * (np.cos(beta * abs(forces.s - 6)) - np.sin(beta * abs(forces.s - 6)))
     )
     away = np.abs(forces.s - 6) > CELL
     verified(forces.M[away], exact[away], scale=F / (4 * beta))

@@ -27,13 +27,15 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
                 {"thickness", "m", "required: of the mesh", &thickness_, Range::positive()},
                 {"GA", "kN/m", "shear stiffness; None: sections stay normal to the line", &shear_,
                  Range::positive()},
-                {"limitMoment", "kN m/m", "moment at which the section turns as a plastic hinge; None: elastic",
-                 &moment_, Range::positive()}};
+                {"limitMoment", "kN m/m",
+                 "moment at which the section turns as a plastic hinge; None: elastic", &moment_,
+                 Range::positive()}};
     }
     void finish() override {
         requireDensity(className(), density);
-        for (const auto& [name, unit, value] :
-             {std::tuple{"EI", "kN m2/m", section_.EI}, {"EA", "kN/m", section_.EA}, {"thickness", "m", thickness_}})
+        for (const auto& [name, unit, value] : {std::tuple{"EI", "kN m2/m", section_.EI},
+                                                {"EA", "kN/m", section_.EA},
+                                                {"thickness", "m", thickness_}})
             require(!std::isnan(value), className(), ": ", name, " is required; give ", name, " in ", unit);
         section_.GA = std::isnan(shear_) ? SectionStiffness::none : shear_;
         section_.limitMoment = std::isnan(moment_) ? SectionStiffness::none : moment_;

@@ -148,9 +148,16 @@ class OnRaster(Primitive):
     """Region that a surface over a raster bounds; base of `Below` and `Layer`."""
 
     def __init__(self, kind, heights, spacing, origin, **more):
-        self._heights, self._spacing, self._origin = (np.asarray(a, float) for a in (heights, spacing, origin))
+        self._heights, self._spacing, self._origin = (
+            np.asarray(a, float) for a in (heights, spacing, origin)
+        )
         super().__init__(
-            kind, self._heights.ndim + 1, heights=self._heights, spacing=self._spacing, origin=self._origin, **more
+            kind,
+            self._heights.ndim + 1,
+            heights=self._heights,
+            spacing=self._spacing,
+            origin=self._origin,
+            **more,
         )
 
     def __repr__(self):
@@ -237,7 +244,9 @@ def _heights(who, what, given, least=1):
     try:
         array = floats(given)
     except (TypeError, ValueError):
-        raise TypeError(f"{who}: {what} = {shown(given)} is not made of numbers; give an array in m") from None
+        raise TypeError(
+            f"{who}: {what} = {shown(given)} is not made of numbers; give an array in m"
+        ) from None
     if array.ndim not in (least, 1, 2) or array.ndim and min(array.shape) < 2:
         raise ValueError(
             f"{who}: {what} has the shape {array.shape}; give at least two numbers along x, or along x and y each"

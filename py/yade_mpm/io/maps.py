@@ -113,7 +113,9 @@ class TerrainMaps(Callback):
         for name in NAMES:
             one = np.array(state[name], float)
             if one.shape != shape:
-                raise ValueError(f"TerrainMaps: the map {name} of a checkpoint has the shape {one.shape}, not {shape}")
+                raise ValueError(
+                    f"TerrainMaps: the map {name} of a checkpoint has the shape {one.shape}, not {shape}"
+                )
             self._maps[name] = np.where(one < 0, np.nan, one)
 
 
@@ -123,7 +125,9 @@ class _Spread:
     def __init__(self, terrain, centres, half):
         self._shape = terrain.heights.shape
         along = [
-            _overlaps((centres[:, k] - terrain.origin[k]) / terrain.spacing[k], half[:, k] / terrain.spacing[k], n)
+            _overlaps(
+                (centres[:, k] - terrain.origin[k]) / terrain.spacing[k], half[:, k] / terrain.spacing[k], n
+            )
             for k, n in enumerate(self._shape)
         ]
         self._cells, self._shares = along[0]
@@ -133,7 +137,9 @@ class _Spread:
             self._shares = (share[:, :, None] * across[:, None, :]).reshape(len(first), -1)
 
     def sum(self, values):
-        flat = np.bincount(self._cells.ravel(), (self._shares * values[:, None]).ravel(), np.prod(self._shape))
+        flat = np.bincount(
+            self._cells.ravel(), (self._shares * values[:, None]).ravel(), np.prod(self._shape)
+        )
         return flat.reshape(self._shape)
 
 

@@ -43,7 +43,11 @@ def readTerrain(
     if isRaster != (spacing is None):
         raise ValueError(
             f"readTerrain: spacing = {shown(spacing)}; "
-            + ("the raster has its own, leave it out" if isRaster else "give the spacing of the raster to make, in m")
+            + (
+                "the raster has its own, leave it out"
+                if isRaster
+                else "give the spacing of the raster to make, in m"
+            )
         )
     reference = None
     if kind == ".asc":
@@ -138,7 +142,10 @@ def _readAscii(file):
             head[name.lower()] = float(value)
         rows = np.array(" ".join(lines).split(), float).reshape(int(head["nrows"]), int(head["ncols"]))
         step = np.full(2, head["cellsize"])
-        corner = [head[f"{k}llcorner"] + step[0] / 2 if f"{k}llcorner" in head else head[f"{k}llcenter"] for k in "xy"]
+        corner = [
+            head[f"{k}llcorner"] + step[0] / 2 if f"{k}llcorner" in head else head[f"{k}llcenter"]
+            for k in "xy"
+        ]
     except (KeyError, ValueError, UnicodeDecodeError):
         raise ValueError(
             f"readTerrain: {shown(str(file))} is no ASCII grid; give ncols, nrows, xllcorner, yllcorner, cellsize, and "
@@ -165,10 +172,14 @@ def _fromTriangles(file, spacing):
         raise ValueError(f"readTerrain: {shown(str(file))} is no mesh of triangles: {error}") from None
     triangles = [corners for kind, _, corners in cells if kind == "triangle"]
     if not triangles or points.shape[1] != 3:
-        raise ValueError(f"readTerrain: {shown(str(file))} has no triangles in space; give STL, OBJ or a raster")
+        raise ValueError(
+            f"readTerrain: {shown(str(file))} has no triangles in space; give STL, OBJ or a raster"
+        )
     triangles = np.concatenate(triangles)
     sides = points[triangles][:, 1:] - points[triangles][:, :1]
-    flat = np.abs(np.cross(sides[:, 0, :2], sides[:, 1, :2])) > 1e-12 * np.ptp(points[:, :2], axis=0).max() ** 2
+    flat = (
+        np.abs(np.cross(sides[:, 0, :2], sides[:, 1, :2])) > 1e-12 * np.ptp(points[:, :2], axis=0).max() ** 2
+    )
     first, last = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     count = np.floor((last - first) / spacing + 1e-9).astype(int) + 1
     x, y = np.meshgrid(*(first[k] + np.arange(count[k]) * spacing for k in (0, 1)), indexing="ij")

@@ -28,7 +28,9 @@ def test_a_raster_comes_back_as_it_was_written(ending, tmp_path):
 
 def test_an_ascii_grid_runs_from_north_to_south(tmp_path):
     file = tmp_path / "map.asc"
-    file.write_text("ncols 3\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\nNODATA_value -9\n1 2 3\n4 5 6\n")
+    file.write_text(
+        "ncols 3\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\nNODATA_value -9\n1 2 3\n4 5 6\n"
+    )
     ground = mpm.readTerrain(file)
     assert ground.heights.tolist() == [[4, 1], [5, 2], [6, 3]] and ground.origin.tolist() == [11, 21]
 

@@ -2,7 +2,6 @@
 """Beams in a scene: what is refused, checkpoints, threads, contact on both faces, energy."""
 
 import numpy as np
-import pytest
 import yade_mpm as mpm
 from inputs import cases, elastic, refused
 from setups import restarted, withAnyThreads
@@ -105,8 +104,10 @@ def add(*beside, dim=2, size=None, **options):
     ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),
     ("body 'wall': fbar is given", lambda: add(fbar=True)),
     ("body 'wall': a Beam is for scenes in two dimensions", lambda: add(dim=3)),
-    ("BeamSection is no material of a region", lambda: mpm.Scene((0, 0), (4, 4), 0.25).add(
-        "wall", box((1, 1), (2, 2)), add().material)),
+    (
+        "BeamSection is no material of a region",
+        lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", box((1, 1), (2, 2)), add().material),
+    ),
     ("body 'wall': implicit", lambda: setattr(add(), "implicit", False)),
 )
 def test_what_is_refused(named, make, kind):

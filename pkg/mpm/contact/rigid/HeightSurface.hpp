@@ -18,7 +18,7 @@ namespace mpm {
 
 // What a height field is given by, in the frame of its body: heights are along the last axis of the scene.
 struct HeightRecord {
-    int body = 0, columns = 0, rows = 1;              // rows: along the second axis; 1 in 2D
+    int body = 0, columns = 0, rows = 1;                // rows: along the second axis; 1 in 2D
     Vec3 origin = Vec3::Zero(), spacing = Vec3::Ones(); // m; of the first height, between two
 
     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
@@ -65,7 +65,7 @@ class HeightSurface {
 
     int size_[2], axes_;
     double origin_[2] = {0, 0}, spacing_[2] = {1, 1};
-    double longest_ = 1; // height above the surface over distance from it, at most
+    double longest_ = 1;          // height above the surface over distance from it, at most
     std::vector<double> heights_; // with a row more on every side
 
     double heightAt(int i, int j) const { return heights_[size_t(i + 1) * (size_[1] + 2) + j + 1]; }

@@ -68,7 +68,8 @@ class Beam {
 
     const BeamElement& element(int p) const { return elements_[p]; }
     BeamElement::Strained strained(const DomainMesh<2>& mesh, const Particles<2>& particles, int p) const {
-        const double hinges[2] = {particles.state[hingeStart].plane()[p], particles.state[hingeEnd].plane()[p]};
+        const double hinges[2] = {particles.state[hingeStart].plane()[p],
+                                  particles.state[hingeEnd].plane()[p]};
         return elements_[p].strained(mesh.cornersOf(p), hinges);
     }
 

@@ -86,7 +86,8 @@ class BeamElement {
     // Turns the hinges until no end has a larger moment than the section can take.
     void yield(const Strained& s, double hinges[2]) const {
         if (std::isinf(limit_)) return;
-        const double M = stiffness_[curvature] * s.e[curvature] / length_, Q = 0.5 * stiffness_[shear] * s.e[shear];
+        const double M = stiffness_[curvature] * s.e[curvature] / length_,
+                     Q = 0.5 * stiffness_[shear] * s.e[shear];
         const std::array<double, 2> back = excess({-M - Q, M - Q});
         hinges[0] -= back[0];
         hinges[1] += back[1];
@@ -98,7 +99,8 @@ class BeamElement {
     // By which angles the ends turn back so that the moments m, of their angles theta, keep to the limit: one end
     // alone if that is enough, else both.
     std::array<double, 2> excess(const std::array<double, 2>& m) const {
-        const double bending = stiffness_[curvature] / (length_ * length_), sideways = 0.25 * stiffness_[shear];
+        const double bending = stiffness_[curvature] / (length_ * length_),
+                     sideways = 0.25 * stiffness_[shear];
         const double own = sideways + bending, other = sideways - bending; // dm/dtheta
         const auto beyond = [&](double moment) {
             const double more = std::abs(moment) - limit_;
@@ -109,7 +111,8 @@ class BeamElement {
         double over[2] = {alone[0], alone[1]};
         for (int end = 0; end < 2; ++end) {
             const double back = alone[end] / own, rest = beyond(m[1 - end] - other * back);
-            if (back != 0 && rest == 0) return end == 0 ? std::array<double, 2>{back, 0} : std::array<double, 2>{0, back};
+            if (back != 0 && rest == 0)
+                return end == 0 ? std::array<double, 2>{back, 0} : std::array<double, 2>{0, back};
             if (back != 0 && alone[1 - end] == 0) over[1 - end] = m[1 - end] - std::copysign(limit_, rest);
         }
         const double det = own * own - other * other;

@@ -99,9 +99,7 @@ def test_the_surface_is_that_of_the_region():
     normal = np.array([-slope, 1]) / np.hypot(slope, 1)
     foot = np.array([place[0], ground.height(place[None])[0]])
     centre = foot + (0.125 - 0.01) * normal  # 0.01 m deep
-    contact.setStates(
-        [[*(place - centre), 0]], [(1, 0, 0, 0)], np.zeros((1, 3)), np.zeros((1, 3))
-    )
+    contact.setStates([[*(place - centre), 0]], [(1, 0, 0, 0)], np.zeros((1, 3)), np.zeros((1, 3)))
     scene.dt = 1e-4
     contact._core.set("sizes", {"particles": [1]})  # not new to the engine
     scene.run(steps=1, progress=False)

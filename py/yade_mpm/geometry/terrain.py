@@ -33,12 +33,14 @@ class Terrain:
         self.reference = reference
         if not (self.spacing > 0).all():
             raise ValueError(
-                f"heightField: spacing = {shown(spacing)} is not allowed; give one positive number in m, or one "
+                f"heightField: spacing = {shown(spacing)} is not allowed; give one positive number in m, "
+                "or one "
                 "for each axis of the raster"
             )
         if lost := int((~np.isfinite(self.heights)).sum()):
             raise ValueError(
-                f"heightField: {lost} of {self.heights.size} heights are not finite; fill the gaps of the raster, "
+                f"heightField: {lost} of {self.heights.size} heights are not finite; fill the gaps of the "
+                "raster, "
                 "or give a part of it without any"
             )
 
@@ -132,8 +134,8 @@ def surfaceOf(heights, spacing, origin, points):
 
 
 def _weights(x, axis, heights, spacing, origin):
-    """Along an axis: number of the first of three heights with one more on each side, (weights, their slopes),
-    distance beyond the raster, m."""
+    """Along an axis: number of the first of three heights with one more on each side, (weights, their
+    slopes), distance beyond the raster, m."""
     inCells = (x - origin[axis]) / spacing[axis]
     u = np.clip(inCells, 0, heights.shape[axis] - 1)
     middle = (u + 0.5).astype(int)
@@ -249,7 +251,8 @@ def _heights(who, what, given, least=1):
         ) from None
     if array.ndim not in (least, 1, 2) or array.ndim and min(array.shape) < 2:
         raise ValueError(
-            f"{who}: {what} has the shape {array.shape}; give at least two numbers along x, or along x and y each"
+            f"{who}: {what} has the shape {array.shape}; give at least two numbers along x, or along x and "
+            "y each"
         )
     return array
 
@@ -263,6 +266,7 @@ def _alongAxes(name, given, axes):
         values = np.full(axes, values[0])
     if values.shape != (axes,) or not np.isfinite(values).all():
         raise ValueError(
-            f"heightField: {name} = {shown(given)} is not allowed; give one number in m for each axis of the raster"
+            f"heightField: {name} = {shown(given)} is not allowed; give one number in m for each axis of "
+            "the raster"
         )
     return values

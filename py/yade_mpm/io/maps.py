@@ -26,10 +26,9 @@ class TerrainMaps(Callback):
     least : m, depth from which on a cell of the raster counts as reached.
     label : name of the engine; default "maps".
 
-    Attributes, arrays of the shape of the heights: `depth` m, volume (with the gaps of loosened soil) over area
-    when it was looked at last, after a run the deposit; `greatestDepth` m; `greatestVelocity` m/s, of the mean over
-    the depth, where at least `least` deep; `arrival` s, nan where nothing came. `extents` m: half widths of the
-    boxes that the volume is spread over.
+    Attributes, arrays of the shape of the heights: `depth` m, volume (with the gaps of loosened soil) over
+    area when it was looked at last, after a run the deposit; `greatestDepth` m; `greatestVelocity` m/s, of
+    the mean over the depth, where at least `least` deep; `arrival` s, nan where nothing came.
     """
 
     @takes(period=POSITIVE, least=NUMBER)
@@ -56,8 +55,8 @@ class TerrainMaps(Callback):
 
         Parameters
         ----------
-        name : of the files, e.g. "slide.tif" for slide-depth.tif, slide-greatestDepth.tif and so on; .tif takes
-            rasterio, .asc does not.
+        name : of the files, e.g. "slide.tif" for slide-depth.tif, slide-greatestDepth.tif and so on; .tif
+            takes rasterio, .asc does not.
 
         Returns their names.
         """
@@ -144,8 +143,8 @@ class _Spread:
 
 
 def _overlaps(x, half, count):
-    """Cells along an axis that intervals x +- half reach into, and their shares; those beyond the ends count in the
-    cells there."""
+    """Cells along an axis that intervals x +- half reach into, and their shares; those beyond the ends count
+    in the cells there."""
     half = np.maximum(half, 1e-9)
     first = np.floor(x - half + 0.5).astype(int)
     cells = first[:, None] + np.arange(int(np.ceil(2 * half.max())) + 1 if len(half) else 1)

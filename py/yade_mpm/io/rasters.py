@@ -30,13 +30,14 @@ def readTerrain(
 
     Parameters
     ----------
-    file : a name that ends in .tif or .tiff (GeoTIFF; it takes rasterio), .asc (ASCII grid), or the name of a mesh
-        of triangles (STL, OBJ and what else meshio reads), each place of which has one height.
+    file : a name that ends in .tif or .tiff (GeoTIFF; it takes rasterio), .asc (ASCII grid), or the name of
+        a mesh of triangles (STL, OBJ and what else meshio reads), each place of which has one height.
     lower, upper : (2,), m, corners in plan of the part that is wanted; default: all.
     spacing : m, between heights that are taken from triangles; needed for them, and for them alone.
 
-    Returns the `Terrain`; coordinates are those of the file, in m. Raises ImportError where rasterio is missing,
-    ValueError for gaps (no data) in the part that is wanted, a raster that is turned, or a file that is no raster.
+    Returns the `Terrain`; coordinates are those of the file, in m. Raises ImportError where rasterio is
+    missing, ValueError for gaps (no data) in the part that is wanted, a raster that is turned, or a file
+    that is no raster.
     """
     kind = os.path.splitext(os.fspath(file))[1].lower()
     isRaster = kind in (".tif", ".tiff", ".asc")
@@ -60,7 +61,8 @@ def readTerrain(
     lost = int(np.isnan(heights).sum())
     if lost:
         raise ValueError(
-            f"readTerrain: '{file}' has no data at {lost} of {heights.size} places; fill the gaps first, or give lower "
+            f"readTerrain: '{file}' has no data at {lost} of {heights.size} places; fill the gaps first, "
+            "or give lower "
             "and upper of a part without any"
         )
     return Terrain(heights, step, origin, reference)
@@ -111,7 +113,8 @@ def _rasterio(who):
         import rasterio.transform
     except ImportError:
         raise ImportError(
-            f"{who}: a GeoTIFF takes rasterio, which is not installed; install it (Debian: python3-rasterio), or "
+            f"{who}: a GeoTIFF takes rasterio, which is not installed; install it (Debian: "
+            "python3-rasterio), or "
             "use an ASCII grid (.asc)"
         ) from None
     return rasterio
@@ -148,7 +151,8 @@ def _readAscii(file):
         ]
     except (KeyError, ValueError, UnicodeDecodeError):
         raise ValueError(
-            f"readTerrain: {shown(str(file))} is no ASCII grid; give ncols, nrows, xllcorner, yllcorner, cellsize, and "
+            f"readTerrain: {shown(str(file))} is no ASCII grid; give ncols, nrows, xllcorner, yllcorner, "
+            "cellsize, and "
             "as many heights"
         ) from None
     rows[rows == head.get("nodata_value", NODATA)] = np.nan
@@ -203,7 +207,8 @@ def _part(file, heights, step, origin, lower, upper):
     if (last - first < 1).any():
         raise ValueError(
             f"readTerrain: '{file}' spans {shown(tuple(origin))} to "
-            f"{shown(tuple(origin + (np.array(heights.shape) - 1) * step))} m; lower = {shown(lower)} and upper = "
+            f"{shown(tuple(origin + (np.array(heights.shape) - 1) * step))} m; lower = {shown(lower)} and "
+            "upper = "
             f"{shown(upper)} leave nothing of it"
         )
     return heights[first[0] : last[0] + 1, first[1] : last[1] + 1], origin + first * step

@@ -29,8 +29,8 @@ def terrain(scene, terrain: Terrain, friction: float = 0.0, adhesion: float = 0.
     friction : coefficient of the surface, -; default 0.
     adhesion : kPa; default 0.
 
-    Returns the `RigidContact`, which has the forces on the ground. ValueError for a raster that ends within the
-    scene or has other axes; RuntimeError after the first run.
+    Returns the `RigidContact`, which has the forces on the ground. ValueError for a raster that ends within
+    the scene or has other axes; RuntimeError after the first run.
     """
     refuseDuringStep(scene, "terrain")
     _checkReach(scene, terrain)
@@ -81,6 +81,6 @@ def _checkReach(scene, terrain):
         raise ValueError(
             f"terrain: the raster goes from {tuple(np.round(terrain.origin, 6).tolist())} to "
             f"{tuple(np.round(terrain.upper, 6).tolist())} m in plan, the scene from "
-            f"{tuple(scene.lower[:-1].tolist())} to {tuple(scene.upper[:-1].tolist())}; make the scene smaller, or give "
-            "a raster that reaches over all of it"
+            f"{tuple(scene.lower[:-1].tolist())} to {tuple(scene.upper[:-1].tolist())}; make the scene "
+            "smaller, or give a raster that reaches over all of it"
         )

@@ -16,14 +16,14 @@ def shown(value):
         return type(value).__name__
 
 
-def smallScene(a):
+def smallScene(a=None):
     """The scene of a case of a study."""
     import yade_mpm as mpm
 
     scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
     elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
     boxes = scene.add("boxes", mpm.box((1, 1), (2, 2)), elastic, mpm.UGIMP())
-    boxes.velocity = (0, -a.speed)
+    boxes.velocity = (0, -a.speed if a else 0)
     return scene
 
 

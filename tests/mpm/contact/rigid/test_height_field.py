@@ -72,8 +72,8 @@ def test_a_block_slides_down_terrain_as_coulomb_says(dim, verified):
 
 
 def test_what_lies_on_terrain_starts_without_a_jump():
-    """Boxes that the surface cuts are as thick as fits: a block at rest, no warning, no gain of energy. Control:
-    on a wall, which does not know what was cut to it."""
+    """Boxes that the surface cuts are as thick as fits: a block at rest, no warning, no gain of energy.
+    Control: on a wall, which does not know what was cut to it."""
     speeds = {}
     for how in ("field", "wall"):
         scene, block = blockOn(2, 0.65, how)
@@ -88,7 +88,8 @@ def test_what_lies_on_terrain_starts_without_a_jump():
 
 
 def test_the_surface_is_that_of_the_region():
-    """One box, let down on ground of hills: it touches where `height` says, and is pushed along the normal."""
+    """One box, let down on ground of hills: it touches where `height` says, and is pushed along the
+    normal."""
     x = np.arange(0, 8.01, 0.5)
     ground = mpm.heightField(2 + 0.4 * np.sin(x), 0.5)
     scene = mpm.Scene((0, 0), (8, 6), 0.5)
@@ -110,7 +111,8 @@ def test_the_surface_is_that_of_the_region():
 
 @pytest.mark.parametrize("shape", ["bowl", "ridge"])
 def test_without_friction_terrain_keeps_the_energy(shape):
-    """A box slides through a bowl, or over a ridge, and has on the other side the speed that its height tells."""
+    """A box slides through a bowl, or over a ridge, and has on the other side the speed that its height
+    tells."""
     x = np.arange(0, 24.01, 0.8)
     sign = 1 if shape == "bowl" else -1
     ground = mpm.heightField(6 - sign * 2.5 * np.exp(-(((x - 12) / 4) ** 2)), 0.8)
@@ -134,8 +136,8 @@ def test_without_friction_terrain_keeps_the_energy(shape):
 
 # --- turned and mirrored ground ---------------------------------------------------------------------------
 def slidden(turn):
-    """Where a block in a bowl is after some steps, in the frame of the bowl. turn: number of quarter turns about
-    z, or "mirror"."""
+    """Where a block in a bowl is after some steps, in the frame of the bowl. turn: number of quarter turns
+    about z, or "mirror"."""
     x = np.arange(-4.0, 4.01, 0.4)
     heights = 0.15 * x[:, None] ** 2 + 0.05 * x[None, :] ** 2 + 0.1 * x[:, None]
     origin, angle = (-4.0, -4.0), 0.0

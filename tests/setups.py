@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Set-ups that many tests share: from setups import chain"""
 
+from math import radians
+
 import yade_mpm as mpm
 
 
@@ -19,6 +21,34 @@ def elastic(young):
 def soft(density=1.0):
     """A linear elastic material with Lame constants of 1 MPa; `density` in Mg/m3."""
     return mpm.LinearElastic(density=density, lame=(1e3, 1e3))
+
+
+# Of Cam-Clay, but for density and preconsolidation.
+CAM_CLAY = dict(compression=0.2, swelling=0.04, frictionAngle=0.4, initialVoidRatio=1.0)
+# The same, soft; with preconsolidation.
+SOFT_CLAY = dict(compression=0.1, swelling=0.02, frictionAngle=0.5, initialVoidRatio=0.8)
+SOFT_CLAY |= dict(preconsolidation=40.0, smallestPressure=5.0)
+
+
+def freeBlock(kind=None, dim=2, **options):
+    """A scene of 4 m with an elastic block of 2 m in its middle, and the block."""
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)
+    kind = mpm.UGIMP(perCell=2) if kind is None else kind
+    return scene, scene.add("block", mpm.box((1,) * dim, (3,) * dim), elastic(1e4), kind, **options)
+
+
+def shearedSoil(mesh, dim, size, pressure=None):
+    """A mesh of soil under gravity, sheared at the start, after 60 steps; pressure on all of it, kPa."""
+    strength = dict(cohesion=1.0, frictionAngle=radians(25), dilatancyAngle=radians(5))
+    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e3, poisson=0.3, **strength)
+    scene = mpm.Scene((0,) * dim, (size,) * dim, 0.1, threads=1)
+    body = scene.add("soil", mesh, soil, mpm.APDI(hourglass=0.1))
+    body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
+    loads = () if pressure is None else (mpm.BoundaryLoad(body, pressure=pressure),)
+    scene.engines = chain(*loads, gravity=(0,) * (dim - 1) + (-9.81,))
+    scene.dt = 2e-4
+    scene.run(steps=60, progress=False)
+    return body
 
 
 def bits(scene):

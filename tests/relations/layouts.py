@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import yade_mpm as mpm
-from setups import chain
+from setups import SOFT_CLAY, chain
 
 CELL = 0.5
 CELLS = np.array([14, 12])
@@ -14,39 +14,18 @@ SCHEMES = ("MUSL", "USL", "USF")
 ELASTIC = dict(density=1.6, young=2e3, poisson=0.3)
 # What laws need besides density and elastic constants.
 SOIL = dict(cohesion=4.0, frictionAngle=0.5, dilatancyAngle=0.1)
+SAND = dict(frictionAngle=0.5, criticalVoidRatio=0.9, compression=0.02, initialVoidRatio=0.8)
+SAND |= dict(referencePressure=50.0, smallestPressure=5.0)
 LAWS = {
     "MohrCoulombDruckerPrager": SOIL,
     "MohrCoulomb": SOIL,
     "Tresca": dict(undrainedStrength=4.0),
-    "NorSand": dict(
-        shearModulus=2e3,
-        frictionAngle=0.5,
-        criticalVoidRatio=0.9,
-        compression=0.02,
-        initialVoidRatio=0.8,
-        referencePressure=50.0,
-        smallestPressure=5.0,
-    ),
-    "Sanisand": dict(
-        frictionAngle=0.5,
-        criticalVoidRatio=0.9,
-        compression=0.02,
-        initialVoidRatio=0.8,
-        shearFactor=20.0,
-        referencePressure=50.0,
-        smallestPressure=5.0,
-    ),
+    "NorSand": dict(SAND, shearModulus=2e3),
+    "Sanisand": dict(SAND, shearFactor=20.0),
     "MuI": dict(staticFriction=0.4, fastFriction=0.6, grainSize=0.01),
     "HerschelBulkley": dict(yieldStress=2.0, consistency=0.1, bulk=2e3),
     "NewtonianLiquid": dict(viscosity=0.1, bulk=2e3),
-    "ModifiedCamClay": dict(
-        compression=0.1,
-        swelling=0.02,
-        frictionAngle=0.5,
-        initialVoidRatio=0.8,
-        preconsolidation=40.0,
-        smallestPressure=5.0,
-    ),
+    "ModifiedCamClay": SOFT_CLAY,
 }
 # Units of parameters, by powers of length, mass and time.
 UNITS = {

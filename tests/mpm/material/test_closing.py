@@ -6,7 +6,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import CAM_CLAY, chain
 from yade_mpm import box
 
 SAND = dict(density=2.0, young=5e3, poisson=0.3, cohesion=0.0, frictionAngle=radians(31))
@@ -168,14 +168,7 @@ def test_open_soil_does_not_shorten_the_critical_step():
 
 def test_clay_of_cam_clay_that_opened_closes_first():
     """Clay is squeezed by 0.4 % of its volume a step; half of it stands open by 1 %."""
-    clay = mpm.ModifiedCamClay(
-        density=2.0,
-        compression=0.2,
-        swelling=0.04,
-        frictionAngle=0.4,
-        initialVoidRatio=1.0,
-        preconsolidation=50.0,
-    )
+    clay = mpm.ModifiedCamClay(density=2.0, preconsolidation=50.0, **CAM_CLAY)
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     body = scene.add("clay", box((0.5, 0.5), (1.5, 1.5)), clay, mpm.UGIMP(perCell=2))
     body.velocity[...] = -2 * (body.position - 1)

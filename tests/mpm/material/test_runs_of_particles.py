@@ -19,7 +19,7 @@ out of the plane.
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import CAM_CLAY, chain
 from yade_mpm import box
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*stress outside the yield surface")  # random ones
@@ -31,77 +31,32 @@ def hypoelastic(points):
     return stress
 
 
+SOIL = dict(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5)
+DILATES = dict(dilatancyAngle=0.2)
+CLAY = dict(density=1.5, undrainedStrength=8.5)
+OLD_CLAY = dict(CAM_CLAY, density=1.5, preconsolidation=50)
+SAND = dict(density=1.5, frictionAngle=0.5, criticalVoidRatio=0.9, compression=0.02, initialVoidRatio=0.7)
+MUD = dict(density=1.5, bulk=1e4, yieldStress=5, consistency=0.1)
+SOFTENS = dict(remouldedRatio=0.3, softeningStrain=0.01, rateFactor=0.1, referenceRate=0.1)
+GRAINS = dict(staticFriction=0.4, fastFriction=0.6, grainSize=0.01)
 MATERIALS = {
-    "soil": lambda: mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2
-    ),
-    "soil at its limit": lambda: mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2, dilatancyLimit=5e-4
-    ),
-    "strong soil": lambda: mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5
-    ),
-    "Mohr-Coulomb": lambda: mpm.MohrCoulomb(
-        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2, tensileStrength=4
-    ),
-    "stiffening soil": lambda: mpm.MohrCoulomb(
-        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, pressureExponent=0.5
-    ),
-    "stiffening cone": lambda: mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, pressureExponent=0.5
-    ),
-    "softening soil": lambda: mpm.MohrCoulombDruckerPrager(
-        density=1.5,
-        lame=(9e3, 6e3),
-        cohesion=8.5,
-        frictionAngle=0.5,
-        residualCohesion=2,
-        softeningStrain=0.01,
-    ),
-    "clay": lambda: mpm.Tresca(
-        density=1.5,
-        lame=(9e3, 6e3),
-        undrainedStrength=8.5,
-        remouldedRatio=0.3,
-        softeningStrain=0.01,
-        rateFactor=0.1,
-        referenceRate=0.1,
-    ),
-    "rigid clay": lambda: mpm.Tresca(density=1.5, poisson=0.45, rigidity=500, undrainedStrength=8.5),
-    "Cam-Clay": lambda: mpm.ModifiedCamClay(
-        density=1.5,
-        compression=0.2,
-        swelling=0.04,
-        frictionAngle=0.4,
-        initialVoidRatio=1,
-        preconsolidation=50,
-    ),
-    "NorSand": lambda: mpm.NorSand(
-        density=1.5,
-        shearModulus=1e3,
-        frictionAngle=0.5,
-        criticalVoidRatio=0.9,
-        compression=0.02,
-        initialVoidRatio=0.7,
-    ),
-    "undrained Cam-Clay": lambda: mpm.ModifiedCamClay(
-        density=1.5,
-        compression=0.2,
-        swelling=0.04,
-        frictionAngle=0.4,
-        initialVoidRatio=1,
-        preconsolidation=50,
-        waterBulk=1e4,
-    ),
-    "Sanisand": lambda: mpm.Sanisand(
-        density=1.5, frictionAngle=0.5, criticalVoidRatio=0.9, compression=0.02, initialVoidRatio=0.7
-    ),
+    "soil": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, **DILATES),
+    "soil at its limit": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, **DILATES, dilatancyLimit=5e-4),
+    "strong soil": lambda: mpm.MohrCoulombDruckerPrager(**{**SOIL, "cohesion": 1e6}),
+    "Mohr-Coulomb": lambda: mpm.MohrCoulomb(**SOIL, **DILATES, tensileStrength=4),
+    "stiffening soil": lambda: mpm.MohrCoulomb(**SOIL, pressureExponent=0.5),
+    "stiffening cone": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, pressureExponent=0.5),
+    "softening soil": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, residualCohesion=2, softeningStrain=0.01),
+    "clay": lambda: mpm.Tresca(**CLAY, **SOFTENS, lame=(9e3, 6e3)),
+    "rigid clay": lambda: mpm.Tresca(**CLAY, poisson=0.45, rigidity=500),
+    "Cam-Clay": lambda: mpm.ModifiedCamClay(**OLD_CLAY),
+    "NorSand": lambda: mpm.NorSand(**SAND, shearModulus=1e3),
+    "undrained Cam-Clay": lambda: mpm.ModifiedCamClay(**OLD_CLAY, waterBulk=1e4),
+    "Sanisand": lambda: mpm.Sanisand(**SAND),
     "Python": lambda: mpm.PythonLaw(hypoelastic, density=1.5, lame=(9e3, 6e3)),
-    "mu(I)": lambda: mpm.MuI(
-        density=1.5, lame=(9e3, 6e3), staticFriction=0.4, fastFriction=0.6, grainSize=0.01
-    ),
-    "mud": lambda: mpm.HerschelBulkley(density=1.5, bulk=1e4, yieldStress=5, consistency=0.1, flowIndex=0.5),
-    "Bingham": lambda: mpm.HerschelBulkley(density=1.5, bulk=1e4, yieldStress=5, consistency=0.1),
+    "mu(I)": lambda: mpm.MuI(**GRAINS, density=1.5, lame=(9e3, 6e3)),
+    "mud": lambda: mpm.HerschelBulkley(**MUD, flowIndex=0.5),
+    "Bingham": lambda: mpm.HerschelBulkley(**MUD),
     "liquid": lambda: mpm.NewtonianLiquid(density=1.5, bulk=1e4, viscosity=0.1),
     "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
     "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),
@@ -132,15 +87,8 @@ def bodies(material, L, stress, most=MOST, hoop=None):
     made = []
     for n in range(1, most + 1):
         corner = np.array([0, n - 1, 0][:dim])
-        made.append(
-            scene.add(
-                f"{n}",
-                box(corner, corner + np.array([n, 1, 1][:dim])),
-                material,
-                mpm.UGIMP(perCell=1),
-                fbar=False,
-            )
-        )
+        region = box(corner, corner + np.array([n, 1, 1][:dim]))
+        made.append(scene.add(f"{n}", region, material, mpm.UGIMP(perCell=1), fbar=False))
     for body in made:
         body.position[...] = PLACE[:dim]
         if stress is not None:

@@ -11,6 +11,7 @@ Control: the energy of the start.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import CAM_CLAY
 
 START = -np.diag([60.0, 90.0, 75.0])
 STRAIN = 1e-4 * np.array([[-2.0, 0.5, 0.3], [0.5, 1.0, -0.4], [0.3, -0.4, -0.6]])
@@ -22,17 +23,7 @@ LAWS = {
         lambda: mpm.MohrCoulomb(density=1, lame=(9e3, 6e3), cohesion=20, frictionAngle=0.5),
         START,
     ),
-    "ModifiedCamClay": (
-        lambda: mpm.ModifiedCamClay(
-            density=1,
-            compression=0.2,
-            swelling=0.04,
-            frictionAngle=0.4,
-            initialVoidRatio=1.0,
-            preconsolidation=400,
-        ),
-        START,
-    ),
+    "ModifiedCamClay": (lambda: mpm.ModifiedCamClay(density=1, preconsolidation=400, **CAM_CLAY), START),
 }
 
 

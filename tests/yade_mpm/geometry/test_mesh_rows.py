@@ -4,13 +4,12 @@
 import subprocess
 import sys
 from itertools import product
-from math import radians
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import shearedSoil
 from yade_mpm.geometry.mesh import Mesh, cellVolumes
 from yade_mpm.geometry.meshing import meshRegion, refineNear
 from yade_mpm.geometry.meshInput import meshFromArrays
@@ -156,7 +155,7 @@ def test_a_mesh_file_is_numbered_in_rows_and_the_motion_is_the_same(tmp_path, co
     meshio.Mesh(np.pad(points, ((0, 0), (0, 3 - dim))), [({2: "quad", 3: "hexahedron"}[dim], cells)]).write(
         path
     )
-    given, filed = sheared((points, cells), dim), sheared(str(path), dim)
+    given, filed = (shearedSoil(mesh, dim, 3, pressure=5.0) for mesh in ((points, cells), str(path)))
     assert given.mesh.cellNumbers is None and np.array_equal(given.mesh.cells, cells)
     assert rows(filed.mesh.cells).tolist() == [counts[0]] * int(np.prod(counts[1:]))
     order = filed.mesh.cellNumbers
@@ -184,22 +183,3 @@ def test_the_benchmark_times_both_numberings(tmp_path):
     assert float(inRows) > 0 and float(given) > 0  # ns; how many depends on the machine
     lost = bench(tmp_path / "sand.vtk")
     assert lost.returncode == 1 and "there is no mesh file" in lost.stderr and "Traceback" not in lost.stderr
-
-
-def sheared(where, dim):
-    """A body after some steps of shear, with a load all round."""
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=2.0,
-        young=1e3,
-        poisson=0.3,
-        cohesion=1.0,
-        frictionAngle=radians(25),
-        dilatancyAngle=radians(5),
-    )
-    scene = mpm.Scene((0,) * dim, (3,) * dim, 0.1, threads=1)
-    body = scene.add("soil", where, soil, mpm.APDI(hourglass=0.1))
-    body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = chain(mpm.BoundaryLoad(body, pressure=5.0), gravity=(0,) * (dim - 1) + (-9.81,))
-    scene.dt = 2e-4
-    scene.run(steps=60, progress=False)
-    return body

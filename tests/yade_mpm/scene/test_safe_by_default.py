@@ -6,29 +6,21 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from inputs import warningsOf
+from setups import elastic, freeBlock
 from yade_mpm import box
-
-ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
-
-
-def block(kind=None, dim=2, **options):
-    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)
-    kind = mpm.UGIMP(perCell=2) if kind is None else kind
-    body = scene.add("block", box((1,) * dim, (3,) * dim), mpm.LinearElastic(**ELASTIC), kind, **options)
-    return scene, body
 
 
 # --- bodies ---------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("method", ["remove", "pop", "clear", "append"])
 def test_bodies_cannot_be_taken_out_behind_the_solvers_back(method):
-    scene, body = block()
+    scene, body = freeBlock()
     with pytest.raises(AttributeError, match=f"bodies has no {method}.*scene.remove"):
         getattr(scene.bodies, method)(body)
     assert scene.bodies == (body,) and scene.bodies[0] is body and scene.particleCount == 64
 
 
 def test_vertices_can_be_moved_in_one_line():
-    scene, body = block(mpm.APDI(size=0.5))
+    scene, body = freeBlock(mpm.APDI(size=0.5))
     before = body.vertices.copy()
     body.vertices += (0.25, 0.0)
     assert np.array_equal(body.vertices, before + (0.25, 0.0))
@@ -44,18 +36,18 @@ def test_shear_out_of_the_plane_is_refused_in_plane_strain():
     """The return to the yield surface does not see it: it would never yield."""
     stress = np.zeros((3, 3))
     stress[1, 2] = stress[2, 1] = 7.0
-    scene, body = block()
+    scene, body = freeBlock()
     with pytest.raises(ValueError, match="'block': stress has shear out of the plane, up to 7 kPa"):
         body.setStress(stress)
     assert not body.stress.any()
     body.stress[...] = stress
     with pytest.raises(ValueError, match="'block': stress has shear out of the plane"):
         scene.prepare()
-    block(dim=3)[1].setStress(stress)
+    freeBlock(dim=3)[1].setStress(stress)
 
 
 def test_a_material_point_refuses_a_stress_that_is_not_symmetric():
-    material = mpm.LinearElastic(**ELASTIC)
+    material = elastic(1e4)
     with pytest.raises(ValueError, match="MaterialPoint: stress must be symmetric"):
         mpm.MaterialPoint(material, [[0, 1, 0], [0, 0, 0], [0, 0, 0]])
     mpm.MaterialPoint(material, [[0, 1, 0], [1, 0, 0], [0, 0, 0]])
@@ -173,7 +165,7 @@ def saidOf(parts, surface, type_=None, **options):
     strength = dict(cohesion=10, frictionAngle=0.5, dilatancyAngle=0)
     soil = mpm.MohrCoulombDruckerPrager(density=20 / 9.81, young=1e4, poisson=0.3, **strength)
     for name, region in parts.items():
-        material = mpm.LinearElastic(**ELASTIC) if name == "pile" else soil
+        material = elastic(1e4) if name == "pile" else soil
         scene.add(name, region, material, type_ or mpm.UGIMP(perCell=2))
     names = options.pop("names", None)
     bodies = names and [scene[name] for name in names]

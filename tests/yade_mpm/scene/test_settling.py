@@ -5,22 +5,13 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from inputs import warningsOf
-from setups import chain
+from setups import chain, elastic, freeBlock
 from yade_mpm import box
-
-ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
-
-
-def block(kind=None, dim=2, **options):
-    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)
-    kind = mpm.UGIMP(perCell=2) if kind is None else kind
-    body = scene.add("block", box((1,) * dim, (3,) * dim), mpm.LinearElastic(**ELASTIC), kind, **options)
-    return scene, body
 
 
 # --- order of fields ------------------------------------------------------------------------------------
 def test_byId_gives_fields_in_the_order_of_id_however_particles_are_sorted():
-    scene, body = block()
+    scene, body = freeBlock()
     first = body.byId("position").copy()
     assert np.array_equal(body.byId("id"), np.arange(body.count))
     rows = np.round((first - 1.125) / 0.25).astype(int)
@@ -35,7 +26,7 @@ def test_byId_gives_fields_in_the_order_of_id_however_particles_are_sorted():
 
 # --- the end of a run -----------------------------------------------------------------------------------
 def moving(dt=None):
-    scene, body = block()
+    scene, body = freeBlock()
     scene.dt = dt
     body.velocity = (0.1, 0.2)
     return scene, body
@@ -134,8 +125,8 @@ def test_settle_ends_where_the_force_does_not_fall_any_more():
 def test_settle_tells_what_moved_by_more_than_a_cell(cells, isTold):
     """A column of 3 m is as soft as lets its top sink by so many cells under its own weight."""
     cell, height = 0.25, 3.0
-    modulus = ELASTIC["density"] * 9.81 * height**2 / (2 * cells * cell)
-    soft = mpm.LinearElastic(density=ELASTIC["density"], young=modulus, poisson=0)
+    modulus = 2.0 * 9.81 * height**2 / (2 * cells * cell)
+    soft = mpm.LinearElastic(density=2.0, young=modulus, poisson=0)
     scene = mpm.Scene((0, 0), (1, 4), cell, gravity=9.81, threads=1)
     scene.fix("bottom")
     scene.roller("left", "right")
@@ -167,7 +158,7 @@ def test_a_scheme_of_first_order_in_time_is_told_at_the_start(scheme):
 # --- attributes -----------------------------------------------------------------------------------------
 @pytest.mark.parametrize("name", ["lower", "cell", "dim", "dtCritical", "stepper", "run", "add", "time"])
 def test_what_a_scene_is_cannot_be_set(name):
-    scene, _ = block()
+    scene, _ = freeBlock()
     before = getattr(scene, name)
     with pytest.raises(AttributeError, match=f"Scene: {name} can be read, not set"):
         setattr(scene, name, (np.nan, 0))
@@ -177,12 +168,12 @@ def test_what_a_scene_is_cannot_be_set(name):
 @pytest.mark.parametrize("name", ["lower", "upper", "cell"])
 def test_the_grid_of_a_scene_cannot_be_changed_in_place(name):
     with pytest.raises(ValueError, match="read-only"):
-        getattr(block()[0], name)[0] = np.nan
+        getattr(freeBlock()[0], name)[0] = np.nan
 
 
 @pytest.mark.parametrize("value", ["0.5", np.datetime64("2020-01-01"), 1 + 2j, [b"1", b"2"]])
 def test_text_and_dates_are_no_numbers(value):
-    _, body = block()
+    _, body = freeBlock()
     before = body.volume.copy()
     with pytest.raises(ValueError, match="'block': what was given as volume does not fit; give numbers"):
         body.volume = value
@@ -194,8 +185,8 @@ def test_text_and_dates_are_no_numbers(value):
 
 
 def test_the_force_on_a_group_that_nobody_is_in_is_refused():
-    scene, _ = block(group="soil")
-    scene.add("pile", box((3, 1), (3.5, 3)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(), group="pile")
+    scene, _ = freeBlock(group="soil")
+    scene.add("pile", box((3, 1), (3.5, 3)), elastic(1e4), mpm.UGIMP(), group="pile")
     contact = mpm.Contact(friction=0.3)
     scene.engines = chain(contact=contact)
     scene.run(steps=1, progress=False)
@@ -205,7 +196,7 @@ def test_the_force_on_a_group_that_nobody_is_in_is_refused():
 
 
 def test_what_a_body_or_a_motion_is_cannot_be_set():
-    _, body = block()
+    _, body = freeBlock()
     drive = mpm.Drive(body, (0, -1))
     for thing, name in [
         (body, "mesh"),
@@ -222,7 +213,7 @@ def test_what_a_body_or_a_motion_is_cannot_be_set():
 @pytest.mark.parametrize("way, isTold", [(0.08, False), (0.22, True)])
 def test_a_hold_that_has_left_its_soil_is_told(way, isTold, capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
-    scene.add("soil", box((0, 0), (2, 1.5)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP())
+    scene.add("soil", box((0, 0), (2, 1.5)), elastic(1e4), mpm.UGIMP())
     lid = mpm.Hold(box((0, 1.4), (1, 1.6)), velocity=(None, -1.0), name="lid")
     scene.engines = chain(fixed="bottom", roller=("left", "right"), hold=lid)
     for part in (0.5, 1.0):

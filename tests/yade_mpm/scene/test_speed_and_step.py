@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import SOFT_CLAY, chain
 from yade_mpm import box
 from yade_mpm.check import limits
 
@@ -94,27 +95,13 @@ def test_a_loop_of_steps_and_a_restart_give_the_same_bits(tmp_path, monkeypatch)
 
 def test_the_step_follows_an_impact_that_stiffens_the_law():
     """The stiffness of Cam-Clay follows the pressure, and ten steps of an impact make it thirtyfold."""
-    clay = mpm.ModifiedCamClay(
-        density=1.6,
-        poisson=0.3,
-        compression=0.1,
-        swelling=0.02,
-        frictionAngle=0.5,
-        initialVoidRatio=0.8,
-        preconsolidation=40.0,
-        smallestPressure=5.0,
-    )
+    clay = mpm.ModifiedCamClay(density=1.6, poisson=0.3, **SOFT_CLAY)
     scene = mpm.Scene((0, 0), (7, 6), 0.5, scheme="USL", threads=1)
     scene.add("bed", mpm.box((0, 0), (7, 1)), clay, mpm.BSpline(perCell=2))
     block = scene.add("block", mpm.box((3, 1), (4.5, 2.5)), clay, mpm.BSpline(perCell=2))
     block.velocity[...] = (-7.5, -8.0)
     walls = dict(roller=("left", "right"), fixed="bottom")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0.5, -9.0), **walls),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0.5, -9.0), **walls)
     first = scene.criticalTimeStep()
     scene.run(steps=60, progress=False)
     assert scene.dt < 0.25 * first and np.abs(block.velocity).max() < 11

@@ -3,12 +3,10 @@
 matter."""
 
 from itertools import product
-from math import radians
 
 import numpy as np
 import pytest
-import yade_mpm as mpm
-from setups import chain
+from setups import shearedSoil
 
 
 def meshOf(dim, n):
@@ -23,24 +21,9 @@ def meshOf(dim, n):
     return points + 0.5, (cells[:, None] + corners) @ strides
 
 
-def shear(points, cells, steps=60):
-    """Stress and position of the particles after some steps of a block that is sheared on a held base,
-    under gravity."""
-    dim = points.shape[1]
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=2.0,
-        young=1e3,
-        poisson=0.3,
-        cohesion=1.0,
-        frictionAngle=radians(25),
-        dilatancyAngle=radians(5),
-    )
-    scene = mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
-    body = scene.add("soil", (points, cells), soil, mpm.APDI(hourglass=0.1))
-    body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = chain(gravity=(0,) * (dim - 1) + (-9.81,))
-    scene.dt = 2e-4
-    scene.run(steps=steps, progress=False)
+def shear(points, cells):
+    """Stress and position of the particles of a block that is sheared."""
+    body = shearedSoil((points, cells), points.shape[1], 2)
     return body.stress.copy(), body.position.copy()
 
 

@@ -3,6 +3,7 @@
 
 from math import radians
 
+import numpy as np
 import yade_mpm as mpm
 
 
@@ -49,6 +50,16 @@ def shearedSoil(mesh, dim, size, pressure=None):
     scene.dt = 2e-4
     scene.run(steps=60, progress=False)
     return body
+
+
+def elasticEnergy(body):
+    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F -
+    3)."""
+    a, mu = body.material.lame
+    F = body.deformationGradient
+    J = np.linalg.det(F)
+    density = 0.5 * a * np.log(J) ** 2 - mu * np.log(J) + 0.5 * mu * ((F**2).sum(axis=(1, 2)) - 3)
+    return body.initialVolume @ density
 
 
 def bits(scene):

@@ -16,6 +16,7 @@ Tolerance: 1.5 % of the largest deflection, 0.766 m.
 import numpy as np
 import pytest
 from asModules import script
+from setups import elasticEnergy
 
 TIMES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 TIP = np.array([-0.380, -0.766, -0.395, -0.001, -0.366, -0.765])
@@ -59,16 +60,6 @@ def test_energy_of_the_swing_is_kept(cantilever):
     fallen = beam.mass @ (beam.reference[:, 1] - beam.position[:, 1]) * 10
     assert work == pytest.approx(fallen, rel=0.01)
     assert kinetic + elasticEnergy(beam) == pytest.approx(work, rel=0.02)
-
-
-def elasticEnergy(body):
-    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F -
-    3)."""
-    a, mu = body.material.lame
-    F = body.deformationGradient
-    J = np.linalg.det(F)
-    density = 0.5 * a * np.log(J) ** 2 - mu * np.log(J) + 0.5 * mu * ((F**2).sum(axis=(1, 2)) - 3)
-    return body.initialVolume @ density
 
 
 def test_control_five_per_cent_more_gravity_misses_the_tolerance(cantilever):

@@ -23,6 +23,7 @@ Tolerance: 1 % (initial energy: disks of square particles), momentum 1e-12, cont
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elasticEnergy
 from yade_mpm import disc
 
 TYPES = pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.0125)], ids=["UGIMP", "APDI"])
@@ -75,17 +76,6 @@ def squircle(c, n=32):
     return (
         c + 0.2 * np.sqrt(0.5) * np.stack([x - y, x + y], axis=2).reshape(-1, 2),
         np.stack([first, first + n + 1, first + n + 2, first + 1], axis=2).reshape(-1, 4),
-    )
-
-
-def elasticEnergy(body):
-    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F -
-    3)."""
-    a, mu = body.material.lame
-    F = body.deformationGradient
-    J = np.linalg.det(F)
-    return body.initialVolume @ (
-        0.5 * a * np.log(J) ** 2 - mu * np.log(J) + 0.5 * mu * ((F**2).sum(axis=(1, 2)) - 3)
     )
 
 

@@ -53,8 +53,6 @@ def load(
     file = os.fspath(file)
     spec, arrays = checkpoint.read(file)
     callbacks = dict(callbacks or {})
-    if not isinstance(trust, bool):
-        raise TypeError(f"load: trust = {shown(trust)} is not allowed; give True or False")
     permissions = Permissions(file, trust, callbacks, files or {})
     try:
         return _build(spec, arrays, callbacks, permissions, file)

@@ -109,9 +109,9 @@ class Beam:
             length = np.linalg.norm(end - start)
             if min(length, size) < cell - slack:
                 raise ValueError(
-                    f"body '{name}': domains of a Beam near {placeText(start)} are {min(length, size):.4g} m long, "
-                    f"less than a cell of {cell:g} m, which makes it too stiff; give a larger size, points "
-                    "farther apart, or smaller cells"
+                    f"body '{name}': domains of a Beam near {placeText(start)} are {min(length, size):.4g} m "
+                    f"long, less than a cell of {cell:g} m, which makes it too stiff; give a larger size, "
+                    "points farther apart, or smaller cells"
                 )
             n = max(1, int(length / size + 1e-6))
             parts.append(start + (end - start) * (np.arange(1, n + 1) / n)[:, None])

@@ -266,11 +266,10 @@ Behaviour and Critical State Soil Mechanics.)";
         }
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
-        for (int i = 0; i < points.count; ++i) {
-            const auto now = lameAt(undrained_.pressure(points, i, effective), specificVolume(points, i));
-            l[i] = now[0] + undrained_.bulk;
-            mu[i] = now[1];
-        }
+        fillStiffness(points, l, mu, [&](int i) {
+            const auto soil = lameAt(undrained_.pressure(points, i, effective), specificVolume(points, i));
+            return std::array<double, 2>{soil[0] + undrained_.bulk, soil[1]};
+        });
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         for (int i = 0; i < points.count; ++i) {

@@ -233,20 +233,15 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
         }
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
-        for (int i = 0; i < points.count; ++i) {
-            const auto now = lameAt(pressureOf(points, i));
-            l[i] = now[0];
-            mu[i] = now[1];
-        }
+        fillStiffness(points, l, mu, [&](int i) { return lameAt(pressureOf(points, i)); });
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         criticalStrength(M_, points, strength);
     }
-    // Of the pressure the integral of p dp/K.
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
         for (int i = 0; i < points.count; ++i) {
-            const double p = pressureOf(points, i), K = elastic().stiffness(p), mu = lameAt(p)[1];
-            energy[i] = p * p / ((p > smallest_ ? 2 - power_ : 2) * K) + 0.5 * invariants(points, i).J2 / mu;
+            const double p = pressureOf(points, i);
+            energy[i] = elastic().energy(p) + 0.5 * invariants(points, i).J2 / lameAt(p)[1];
         }
     }
 

@@ -110,21 +110,16 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         for (int i = 0; i < points.count; ++i) advance(points, i);
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
-        for (int i = 0; i < points.count; ++i) {
-            const auto now = lameAt(pressureOf(points, i), voidRatio(points, i));
-            l[i] = now[0];
-            mu[i] = now[1];
-        }
+        fillStiffness(points, l, mu,
+                      [&](int i) { return lameAt(pressureOf(points, i), voidRatio(points, i)); });
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         criticalStrength(M_, points, strength);
     }
-    // Of the pressure the integral of p dp/K.
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
         for (int i = 0; i < points.count; ++i) {
             const double p = pressureOf(points, i), e = voidRatio(points, i);
-            energy[i] = p * p / ((p > smallest_ ? 1.5 : 2) * elastic(e).stiffness(p)) +
-                        0.5 * invariants(points, i).J2 / lameAt(p, e)[1];
+            energy[i] = elastic(e).energy(p) + 0.5 * invariants(points, i).J2 / lameAt(p, e)[1];
         }
     }
 

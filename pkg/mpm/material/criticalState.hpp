@@ -41,6 +41,15 @@ inline std::array<double, 2> lameOf(double bulk, double poisson) {
     const double mu = shearModulus(bulk, poisson);
     return {bulk - 2.0 / 3 * mu, mu};
 }
+// Of each particle, from its lameAt(i).
+template <int Dim, class Lame>
+void fillStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu, Lame&& lameAt) {
+    for (int i = 0; i < points.count; ++i) {
+        const std::array<double, 2> now = lameAt(i);
+        lambda[i] = now[0];
+        mu[i] = now[1];
+    }
+}
 
 // Density of sand, by the void ratio or by the state parameter.
 struct SandDensity {

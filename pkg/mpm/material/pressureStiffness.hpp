@@ -22,6 +22,9 @@ struct PressureStiffness {
         if (power == 1) return smallest * std::exp(atSmallest / smallest * e);
         return smallest * std::pow(1 + (1 - power) * atSmallest / smallest * e, 1 / (1 - power));
     }
+    double energy(double p) const { // the integral of p dp/K
+        return p * p / ((p > smallest ? 2 - power : 2) * stiffness(p));
+    }
     double strain(double p) const {
         const double atSmallest = stiffness(smallest);
         if (p <= smallest || power == 0) return (p - smallest) / atSmallest;

@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear
-// in it. tr L of a particle is replaced by its volume-weighted mean over the particles whose centres are in
-// the same cell (de Souza Neto et al. 1996; for MPM Coombs et al. 2018), and after the stress update the mean
-// stress by that of the cell and the slopes towards its neighbours. Without the latter the operator is not
-// symmetric: mean stresses of yielding particles with friction part within a cell, and nothing brings them
-// back. Without slopes the mean stress would be a staircase of cells.
+// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear in it
+// (de Souza Neto et al. 1996; for MPM Coombs et al. 2018); equations and reasons: doc/theory/volumes.md.
+//     r_c = uneven [s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p],   r_p = (det(I + dt L_p) - 1)/dt
+// with s = Cell::inside and V_c' the volume between the corners of the cell as they move, for boxes and for meshes that
+// move with boxes. Meshes by themselves tile the space and have s = 0. The mean stress acts by the cell, see
+// step/CellForces.hpp; empty cells give their flux away, see Holes.
 //
-// That is all for meshes by themselves, which tile the space. Boxes do not cover a cell evenly once they have flowed,
-// and then sum V tr L over the particles is not what flows through the faces of the cells. Where material fills the
-// cells all round, share s, the cell itself is the point of integration (doc/explanation/volumes.md):
-//     r_c = s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p,   r_p = (det(I + dt L_p) - 1)/dt
-// also for meshes that move with boxes, for what flows out of the one flows into the others (CellPoints). V_c' is
-// the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
-// step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
-//
-// What flows through the faces of a cell is V_a r_c, with V_a = s V_c + (1 - s) V_in, what its particles take is
-// V_in r. With an uneven cover the two differ, and r_c has the factor V_a/V_in, within flexibility: where the cells
-// round it are full in the mean, for else it is a surface or sparse, and stiffer than its mass bears. Empty cells give
-// their flux away, see Holes. Soil that may stand open goes without both: its gaps are real. Rates stay proportional to
-// the vector of the forces, so the elastic operator is symmetric.
-//
-// Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
-// elastic operator is symmetric only if both have the same.
+// Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the elastic
+// operator is symmetric only if both have the same.
 #pragma once
 
 #include "mpm/particle/apdi/APDIShape.hpp"
@@ -58,7 +44,7 @@ template <int Dim> class CellAverage {
             half_ = half;
             if (mesh && isAmongBoxes && measured_ != particles.size()) {
                 measured_ = particles.size();
-                fitInCells_ = doFit(particles, grid, *mesh);
+                fitInCells_ = fitInCells(particles, grid, *mesh);
             }
             actByCells_ = !mesh || (isAmongBoxes && fitInCells_);
             where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr);
@@ -78,18 +64,16 @@ template <int Dim> class CellAverage {
             forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.whole; });
         });
     }
-    // How far each cell lies inside the material, and what share of it is this body's. others: the bodies that
-    // move with this one, located, too.
-    // isFree(cell): whether no body that does not move with these may be in it.
-    // mayOpen: the material may stand open, and then fills less than its volume.
-    // lackMass(cells): those of them that have a corner without mass. A corner has no velocity then, and would take
-    // force that nothing feels: such cells leave all to their particles.
+    // How far each cell lies inside the material, and what share of it is this body's. others: located bodies that
+    // move with this one. isFree(cell): no body that does not is in it. mayOpen: the material may stand open, and
+    // fill less than its volume. lackMass(cells): those with a corner without mass, which would take force that
+    // nothing feels: they leave all to their particles.
     template <class IsFree, class LackMass>
     void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others,
                     bool mayOpen, IsFree&& isFree, LackMass&& lackMass) {
         addUp(region, others);
         const auto cover = [&](int c) { return total_[c]; };
-        const std::vector<int> around = roundOf(grid);
+        const std::vector<int> around = stepsAround(grid);
         const auto isAmongMeshes = [&](int c) { // whose few points do not tell how full a cell is
             return isMesh_ || std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
                        return other->isMesh_ && std::any_of(around.begin(), around.end(), [&](int step) {
@@ -117,8 +101,7 @@ template <int Dim> class CellAverage {
             for (int c : lackMass(takeAll(sparse_))) leaveToParticles(cells_[c]);
         });
     }
-    // Whether rates of volume change and mean stress act by the cells, since locate(): of boxes, and of meshes that fill
-    // cells together with boxes.
+    // Whether rates and mean stress act by the cells: of boxes, and of meshes that fill cells together with boxes.
     bool actByCells() const { return actByCells_; }
     // Whether locate() was called in this step; update() is the last to ask.
     bool isLocated(int particles) const { return where_.areLocated(particles); }
@@ -165,8 +148,8 @@ template <int Dim> class CellAverage {
                        [&](int, int p, int cell) { f(p, cell); });
     }
 
-    // Means of the values, weighted with a volume of each particle, in their order; withCentres: also the centre
-    // of the particles. finish(number, cell) for each cell. What is alone is left out.
+    // Means of the values, weighted with a volume of each particle; withCentres: also the centre of the particles.
+    // finish(number, cell) for each cell. What is alone is left out.
     template <bool withCentres, class Finish>
     void average(ParallelRegion& region, const double* volume, Finish&& finish) {
         const auto& points = where_.points();
@@ -191,9 +174,8 @@ template <int Dim> class CellAverage {
         });
     }
 
-    // Along each axis the mean of the slopes to both neighbours, and at most twice the smaller one: no value in
-    // an evenly filled cell is beyond those of the neighbours (the monotonised central difference of van Leer
-    // 1977). Zero at an extremum and where a neighbour is empty.
+    // Along each axis the mean of the slopes to both neighbours, at most twice the smaller one (the monotonised central
+    // difference of van Leer 1977). Zero at an extremum and where a neighbour is empty.
     void findSlopes(ParallelRegion& region, const Grid<Dim>& grid) {
         forOwnCells(region, [&](int number, Cell& cell) {
             for (int k = 0; k < Dim; ++k)
@@ -235,8 +217,7 @@ template <int Dim> class CellAverage {
         return cell.inside * whole + (1 - cell.inside) * cell.weight;
     }
 
-    // Holes give their flux to the cells beside them, and what is in these acts on the corners of the hole. Cells that
-    // other groups share have their own.
+    // Holes give their flux to the cells beside them, which act on the corners of the hole, but for shared cells.
     template <class Velocity>
     void takeFromHoles(ParallelRegion& region, const Grid<Dim>& grid, const Velocity* nodes, double dt) {
         if (holes_.empty()) return;
@@ -281,10 +262,8 @@ template <int Dim> class CellAverage {
   private:
     using Extent = typename NodalField<Dim>::Extent;
 
-    static constexpr double flexibility =
-        2; // most that an uneven cover may change a rate of volume change by
-    static constexpr double sparse = 0.8,
-                            dense = 0.9; // mean covers round a cell: it counts not at all, and fully
+    static constexpr double flexibility = 2; // most that an uneven cover changes a rate of volume change by
+    static constexpr double sparse = 0.8, dense = 0.9; // mean covers round a cell: it does not count, it does
     // Cover of a cell from which on domains that fit in cells have vertices near all of its corners.
     static constexpr double coveredByVertices = 0.8;
 
@@ -297,19 +276,6 @@ template <int Dim> class CellAverage {
         holes_.resize(grid.slabs());
         sparse_.resize(grid.slabs());
         extents_.resize(grid.slabs());
-    }
-
-    // Whether no domain of a mesh was larger than a cell when its displacement was zero.
-    static bool doFit(const Particles<Dim>& particles, const Grid<Dim>& grid, const Mesh<Dim>& mesh) {
-        constexpr double tolerated = 1.05;
-        bool is = true;
-        for (int p = 0; p < particles.size() && is; ++p) {
-            const Vec<Dim> cell = grid.sizeAt(vectorAt<Dim>(particles.reference, p));
-            is = mesh.initialEdge(p) <= tolerated * cell.maxCoeff() &&
-                 particles.initialVolume.plane()[p] <=
-                     tolerated * cell.prod() * grid.thicknessAt(particles.reference.plane(0)[p]);
-        }
-        return is;
     }
 
     void clear(int slab) {
@@ -345,16 +311,6 @@ template <int Dim> class CellAverage {
         if (std::abs(ratio - 1) < 1e-9) return 1;
         const double part = std::clamp((full - sparse) / (dense - sparse), 0.0, 1.0);
         return 1 + part * (std::clamp(ratio, 1 / flexibility, flexibility) - 1);
-    }
-    // From the number of a cell to those of it and of the cells round it.
-    static std::vector<int> roundOf(const Grid<Dim>& grid) {
-        std::vector<int> steps{0};
-        for (int stride : grid.strides)
-            for (size_t i = 0, n = steps.size(); i < n; ++i) {
-                steps.push_back(steps[i] - stride);
-                steps.push_back(steps[i] + stride);
-            }
-        return steps;
     }
     // The covers of all bodies that move together, where this one is, and two rows of cells round that.
     void addUp(ParallelRegion& region, const std::vector<CellAverage*>& others) {
@@ -405,10 +361,9 @@ template <int Dim> class CellAverage {
             return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
         };
         if (before.weight == 0 || after.weight == 0 || cell.weight == 0) return 0;
-        const double left = between(before, cell), right = between(cell, after),
-                     central = 0.5 * (left + right);
+        const double left = between(before, cell), right = between(cell, after), both = 0.5 * (left + right);
         if (left * right <= 0) return 0;
-        return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
+        return std::copysign(std::min({std::abs(both), 2 * std::abs(left), 2 * std::abs(right)}), both);
     }
 
     template <bool isAxisymmetric> Vec<Dim> force(const Grid<Dim>& grid, int node) const {

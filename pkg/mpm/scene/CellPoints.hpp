@@ -93,4 +93,18 @@ template <int Dim> class CellPoints {
     std::array<std::vector<double>, Dim> parts_;
 };
 
+// Whether no domain of a mesh was larger than a cell when its displacement was zero.
+template <int Dim>
+bool fitInCells(const Particles<Dim>& particles, const Grid<Dim>& grid, const Mesh<Dim>& mesh) {
+    constexpr double tolerated = 1.05;
+    bool is = true;
+    for (int p = 0; p < particles.size() && is; ++p) {
+        const Vec<Dim> cell = grid.sizeAt(vectorAt<Dim>(particles.reference, p));
+        is = mesh.initialEdge(p) <= tolerated * cell.maxCoeff() &&
+             particles.initialVolume.plane()[p] <=
+                 tolerated * cell.prod() * grid.thicknessAt(particles.reference.plane(0)[p]);
+    }
+    return is;
+}
+
 } // namespace mpm

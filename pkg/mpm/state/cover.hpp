@@ -5,6 +5,7 @@
 #include "mpm/state/Grid.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace mpm {
 
@@ -22,6 +23,17 @@ template <int Dim, class F> void forAround(const Grid<Dim>& grid, int number, F&
         }
         if (isInGrid) f(other, axes);
     }
+}
+
+// From the number of a cell to those of it and of the cells round it.
+template <int Dim> std::vector<int> stepsAround(const Grid<Dim>& grid) {
+    std::vector<int> steps{0};
+    for (int stride : grid.strides)
+        for (size_t i = 0, n = steps.size(); i < n; ++i) {
+            steps.push_back(steps[i] - stride);
+            steps.push_back(steps[i] + stride);
+        }
+    return steps;
 }
 
 // The node at a corner of a cell.

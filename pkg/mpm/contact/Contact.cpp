@@ -45,10 +45,6 @@ template <int Dim> void straighten(const Scene<Dim>& scene, ContactSearch<Dim>& 
     for (auto& point : search.points) look(point, point.contact, point.S, point.size);
 }
 
-template <int Dim> Vec<Dim> middleOf(const Grid<Dim>& grid, int cell) {
-    return grid.nodePosition(cell) + 0.5 * grid.edges(cell);
-}
-
 // For velocities made anew. Surfaces that part though all that is carried holds them do so there, too. Held once more
 // they would strain nothing, at whatever speed their particles part, and no stress would answer the pressure.
 template <int Dim> void startAnew(ContactSite<Dim>& site) {
@@ -205,27 +201,6 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     scene.energies.gravity += field.sum[contact.node][NF::weightMass] * gained * scene.dt;
 }
 
-// With the velocities that strain the groups. Nodes that a body hardly feels may have quite another one
-// in the solution.
-template <int Dim>
-void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const NodeMotion<Dim>& node) {
-    const double rubbed = contact.friction[0].dot(node.v[0]) - contact.friction[1].dot(node.v[1]);
-    frictionWork += rubbed;
-    scene.energies.contact += rubbed;
-    const auto inSpace = [](const Vec<Dim>& v) {
-        Vec3 all = Vec3::Zero();
-        all.head<Dim>() = v;
-        return all;
-    };
-    table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
-                     contact.gap, contact.area, inSpace(contact.impulse[1] / scene.dt),
-                     inSpace(node.v[0] - node.v[1])});
-    double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
-    for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[1][k] / scene.dt;
-    if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, contact.overlap);
-    sliding += contact.slides;
-}
-
 // Where there is friction, and how far meshes overlap.
 template <int Dim>
 void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss) {
@@ -314,71 +289,12 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     if (!scene.scheme->remapsSolution()) recordShared(scene);
 }
 
-// What each facet of a structure takes in the step.
-template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>& state) {
-    const ContactSearch<Dim>& search = state.search;
-    state.facets.find(scene, search, facetImpulses);
-    const auto isIn = [&](const ContactSite<Dim>& site) {
-        return !site.J.all.isZero(0) || !site.J.agreeing.isZero(0);
-    };
-    for (const ContactPair<Dim>& pair : search.pairs)
-        for (int side = 0; side < 2; ++side) {
-            if (!search.isOfMeshes(pair.group[side])) continue;
-            const double sign = side == 0 ? -1 : 1;
-            const auto takenBy = [&](const ContactSite<Dim>& site) {
-                return Vec<Dim>(sign * (site.J.all - (1 - loss()) * site.J.agreeing));
-            };
-            for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-                if (const auto& node = search.nodes[i]; isIn(node))
-                    state.facets.add(scene, pair.group[side], node.position, -sign * node.normal,
-                                     takenBy(node));
-            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
-                const auto& point = search.points[i];
-                if (!isIn(point)) continue;
-                point.side == side&& point.vertex >= 0
-                    ? state.facets.addAt(search.surfaceOf(point.body), point, -sign * point.normal,
-                                         takenBy(point))
-                    : state.facets.add(scene, pair.group[side], point.position, -sign * point.normal,
-                                       takenBy(point));
-            }
-        }
-    for (const auto& part : scene.sharedCells->forcesOfCells())
-        if (search.isOfMeshes(part.solid))
-            state.facets.add(scene, part.solid, middleOf(scene.grid, part.node), -unit<Dim>(part.force, 0.0),
-                             scene.dt * part.force);
-}
-
 // Tells the shared cells where groups press on each other.
 template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Dim>& search) {
     if (!scene.sharedCells->isWanted) return;
     for (const auto& node : search.nodes)
         if (node.touches) scene.sharedCells->touch(node.node);
     scene.sharedCells->closeTouched(scene.grid);
-}
-
-// What shared cells put on the groups is force of contact, too: pressure, in rows of their own, at nodes that may lie
-// inside the meshes.
-template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
-    std::map<std::tuple<int, int, int>, Vec<Dim>> on; // the second group, by first and second group and node
-    for (const auto& part : scene.sharedCells->forces()) {
-        const bool isSecond = part.solid > part.soil;
-        auto& force =
-            on.try_emplace({std::min(part.soil, part.solid), std::max(part.soil, part.solid), part.node},
-                           Vec<Dim>::Zero())
-                .first->second;
-        force += (isSecond ? 1 : -1) * part.force;
-    }
-    for (const auto& [at, force] : on) {
-        const auto [first, second, node] = at;
-        ContactRecord row;
-        row.first = first;
-        row.second = second;
-        row.node.template head<Dim>() = scene.grid.nodePosition(node);
-        row.normal.template head<Dim>() = unit<Dim>(force, 0.0);
-        row.force.template head<Dim>() = force;
-        for (int k = 0; k < Dim; ++k) forces[3 * pairOf(first, second) + k] += force[k];
-        table.push_back(row);
-    }
 }
 
 // Gives the groups on a node what they have exchanged.

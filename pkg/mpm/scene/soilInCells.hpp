@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Where soil is in the cells and on the nodes of the grid, for SharedCells.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm {
+
+// f(cell, along how many axes it is beside) for the cells of the grid beside one.
+template <int Dim, class F> void forCellsBeside(const Grid<Dim>& grid, int cell, F&& f) {
+    forAround(grid, cell, [&](int other, int axes) {
+        if (axes > 0) f(other, axes);
+    });
+}
+
+// Whether the bodies of a field may have given mass to a node in this step.
+template <int Dim> bool mayHaveMass(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
+    const Index<Dim> index = grid.indices(node);
+    const auto& extent = field.extents[index[Dim - 1]];
+    bool isIn = true;
+    for (int k = 0; k < Dim - 1; ++k) isIn &= index[k] >= extent.first[k] && index[k] <= extent.last[k];
+    return isIn && extent.first[0] <= extent.last[0];
+}
+
+// Of the bodies of a soil on a node, or so far of its meshes, m3. They have about one density: that of the first.
+template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int node, bool ofMeshes) {
+    double density = 0;
+    for (auto& body : scene.bodies)
+        if (density == 0 && body->velocityField == group && (!ofMeshes || body->domains->mesh()))
+            density = body->material->density;
+    const auto& field = scene.grid.fields[group];
+    return density > 0 && mayHaveMass(scene.grid, field, node)
+               ? field.sum[node][NodalField<Dim>::weightMass] / density
+               : 0;
+}
+
+// Volume of what has F-bar of a group in a cell over that of the cell.
+template <int Dim> double coverOf(const Scene<Dim>& scene, int group, int cell) {
+    double sum = 0;
+    for (auto& body : scene.bodies)
+        if (body->velocityField == group && body->fbar) sum += body->cellAverage.coverOf(cell);
+    return sum;
+}
+
+} // namespace mpm

@@ -22,7 +22,7 @@ from .balance import (
     workDone,
 )
 from .drainage import drainage
-from .facePressure import FacePressure, facePressure
+from .facePressure import FacePressure, facePressure, pressureImpulse
 from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
 from .sections import SectionForces, bendingMoment, normalForce, sectionForces, shearForce
 from .shapes import (
@@ -69,4 +69,5 @@ __all__ = [
     "shearForce",
     "normalForce",
     "facePressure",
+    "pressureImpulse",
 ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.kinds import BODY, Kind, takes
+from ..base.kinds import BODY, NUMBER, Kind, takes
 from ..base.wording import shown
 from ..engine.contact import Contact
 from ..geometry.mesh import facetAreas
@@ -145,6 +145,31 @@ def facePressure(body, since: FacePressure | None = None) -> FacePressure:
     area = length * body.scene._thicknessAt(middle[:, 0])
     force = (impulse - before) / (end - begin) if end > begin else np.zeros_like(impulse)
     return FacePressure(body.name, begin, end, impulse, force, middle, vector / length[:, None], area)
+
+
+@takes(body=BODY, lower=NUMBER, upper=NUMBER)
+def pressureImpulse(body, side, lower=-np.inf, upper=np.inf):
+    """Time integral of the pressure on a face of a structure, kPa s, the mean between two heights.
+
+        scene.history(0.1, columns={"p": "d/dt diagnostics.pressureImpulse(scene['wall'], 'left', 2, 3)"})
+
+    Parameters
+    ----------
+    body : Body, see `facePressure`.
+    side : as of `FacePressure.side`.
+    lower, upper : m, heights between which the middles of facets lie; default: the whole face.
+
+    "d/dt " makes it the mean pressure since the row before, kPa. Raises ValueError where no facet is.
+    """
+    face = facePressure(body).side(side)
+    inside = (face.centre[:, -1] >= lower) & (face.centre[:, -1] <= upper)
+    if not inside.any():
+        raise ValueError(
+            f"pressureImpulse: no facet on the {side} of '{body.name}' is between {lower:g} and {upper:g} m; "
+            "give heights farther apart"
+        )
+    pressed = -(face.impulse * face.normal).sum(axis=1)
+    return float(pressed[inside].sum() / face.area[inside].sum())
 
 
 def _contactOf(body):

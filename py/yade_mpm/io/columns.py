@@ -7,6 +7,8 @@ from collections.abc import MutableMapping
 from ..base.wording import shown
 from .expression import Expression
 
+RATE = "d/dt "  # before text: of what the column has the mean rate since the row before
+
 
 class Columns(dict):
     """Columns that the user adds: name, or tuple of names -> function of the scene, expression as text, or
@@ -34,7 +36,7 @@ class Columns(dict):
                 f"History: the name of column {shown(name)} may hold no comma, quote or line end"
             )
         if isText:
-            self._expressions[name] = Expression(column, f"History: column '{name}'")
+            self._expressions[name] = Expression(column.removeprefix(RATE), f"History: column '{name}'")
         super().__setitem__(name, column)
 
     def measure(self, name, scene):
@@ -56,6 +58,10 @@ class Columns(dict):
                 f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no "
                 f"number: {type(error).__name__}: {error}"
             ) from error
+
+    def rates(self):
+        """Names of the columns that are rates."""
+        return [name for name, column in self.items() if isinstance(column, str) and column.startswith(RATE)]
 
 
 def namesOf(key):

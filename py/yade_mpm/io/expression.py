@@ -4,6 +4,7 @@
     -scene['footing'].displacement[:, 1].mean()
     np.quantile(scene['column'].position[:, 0], 0.99) - 2.0
     diagnostics.sectionForce(scene['pile'], height=1.25) / scene.time
+    diagnostics.pressureImpulse(scene['wall'], 'left', 2, 3)
 
 Python's parser reads the text; each form that is known becomes a function of ours, and the text is never
 compiled. Numbers are floating-point, so that no power takes long.
@@ -128,7 +129,7 @@ class Expression:
         return self._refuse(f"'{ast.unparse(node)[:80]}' is no body; give scene['name']")
 
     def _diagnostic(self, node):
-        """diagnostics.NAME of the scene or a body, with numbers besides."""
+        """diagnostics.NAME of the scene or a body, with numbers or text besides."""
         match node:
             case ast.Call(
                 func=ast.Attribute(value=ast.Name(id="diagnostics"), attr=name),
@@ -138,12 +139,18 @@ class Expression:
                 of = getattr(diagnostics, name)
                 isScene = isinstance(who, ast.Name) and who.id == "scene"
                 about = (lambda scene: scene) if isScene else self._body(who)
-                numbers = [self._number(one) for one in given]
-                more = {one.arg: self._number(one.value) for one in named}
+                numbers = [self._argument(one) for one in given]
+                more = {one.arg: self._argument(one.value) for one in named}
                 return lambda scene: of(
                     about(scene), *(n(scene) for n in numbers), **{k: n(scene) for k, n in more.items()}
                 )
         return self._refuse(f"'{ast.unparse(node)[:80]}' is not part of the language")
+
+    def _argument(self, node):
+        match node:
+            case ast.Constant(value=str() as text):
+                return lambda scene: text
+        return self._number(node)
 
     def _whole(self, node):
         match node:

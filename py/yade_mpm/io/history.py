@@ -21,7 +21,7 @@ from ..base.wording import shown
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import owners, quantities
-from .columns import Columns, namesOf
+from .columns import RATE, Columns, namesOf
 from .files import checkWritable
 from .rowFiles import RowFiles
 
@@ -42,9 +42,10 @@ class History(Callback):
         which `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or
         tuple of names -> function that returns a number for each. Text is no Python: it names fields and
         `diagnostics` and calculates with numbers (+ - * / **, abs, min, max), so that a checkpoint can bring
-        it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a
-        function serves for more. A checkpoint can keep only text; give functions again after loading
-        (`history.columns["toe"] = ...`), the column is nan until then.
+        it without harm; "d/dt " before it makes the mean rate since the row before. Of a field it takes
+        min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a function serves for more. A checkpoint can
+        keep only text; give functions again after loading (`history.columns["toe"] = ...`), the column is nan
+        until then.
     label : name of the engine; default "".
     dead : leave the engine out; default False.
 
@@ -264,10 +265,15 @@ class History(Callback):
         row = quantities.measured(scene, self._means(scene), self._initialEnergy)
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
+        now = {RATE + name: [row[name][1]] for name in self._columns.rates()}
+        for name, (value,) in now.items():
+            since, before = self._before.get(name, [scene.time, value])
+            rate = (value - before) / (scene.time - since) if scene.time > since else math.nan
+            row[name.removeprefix(RATE)] = ("", rate)
         if scene._perMetre:
             row = {name: (quantities.perMetre(unit), value) for name, (unit, value) in row.items()}
         self._append(row)
-        integrals = quantities.timeIntegrals(scene)
+        integrals = quantities.timeIntegrals(scene) | now
         self._before = {name: [scene.time, *values] for name, values in integrals.items()}
 
     def _means(self, scene):

@@ -128,3 +128,23 @@ def lone(particles=None, inContact=True):
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+def test_pressure_between_heights_is_a_column_of_a_history(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene, wall, _, _ = walled()
+    text = "diagnostics.pressureImpulse(scene['wall'], 'left', 0.5, 1.5)"
+    history = scene.history(0.2, columns={"p": "d/dt " + text, "impulse": text})
+    scene.run(until=0.2, progress=False)
+    before = mpm.facePressure(wall)
+    scene.save("half.h5")
+    scene.run(until=0.4, progress=False)
+    face = mpm.facePressure(wall, since=before).side("left")
+    inside = (face.centre[:, 1] > 0.5) & (face.centre[:, 1] < 1.5)
+    assert np.isnan(history["p"][0])  # no row before it
+    assert history["p"][-1] == pytest.approx(face.pressure[inside].mean(), rel=1e-3)
+    assert history["p"][-1] == pytest.approx(0.3 / 0.7 * 2 * G * (HEIGHT - 1.0), rel=0.03)
+    assert history["p"][-1] == pytest.approx(np.diff(history["impulse"])[-1] / 0.2)
+    other = mpm.load("half.h5")
+    other.run(until=0.4, progress=False)
+    assert other.engines[-1]["p"][-1] == history["p"][-1]

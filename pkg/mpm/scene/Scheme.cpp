@@ -16,8 +16,8 @@ std::vector<Scheme::Place> Scheme::order(bool hasImplicit) const {
          true});
     add({{"GridSolver"}});
     if (hasImplicit) add({{"ImplicitBodies"}, true, false, true});
-    add({{"PoreWater"}, false, false, false, true});
     add({{"Contact"}, false});
+    add({{"PoreWater"}, false, false, false, true});
     add({{"GridToParticle"}});
     if (!stressFirst) addStress();
     return all;

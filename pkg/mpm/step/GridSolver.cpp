@@ -33,6 +33,9 @@ template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
     flip_ = flipOf(scene);
     const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
     partial_.resize(size_t(slabs) * (n + 1));
+    for (auto& engine : scene.engines)
+        if (auto* ahead = dynamic_cast<ActingAhead*>(engine.get()); ahead && !engine->dead)
+            ahead->actAhead(scene);
     scene.mirrors.fold(scene.grid, gravityOf(scene));
     const double least = scene.leastMass();
     Quad g{};

@@ -6,6 +6,15 @@
 
 namespace mpm {
 
+// What an engine may be besides: forces of its last solution act on the nodes from the start of the step, before it finds
+// the new ones in its own place.
+class ActingAhead {
+  public:
+    virtual ~ActingAhead() = default;
+    virtual void actAhead(Scene<2>& scene) = 0;
+    virtual void actAhead(Scene<3>& scene) = 0;
+};
+
 class GridSolver : public EngineOf<GridSolver> {
   public:
     std::vector<double> gravity;

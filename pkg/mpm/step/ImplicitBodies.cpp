@@ -201,6 +201,13 @@ void ImplicitBodies::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& respon
 }
 
 template <int Dim>
+void ImplicitBodies::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                            const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes) {
+    auto& systems = std::get<State<Dim>>(states_).systems;
+    for (size_t s = 0; s < systems.size(); ++s) systems[s].answer(scene, response, int(s), impulses, changes);
+}
+
+template <int Dim>
 void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
                           const std::vector<Vec<Dim>>& given, const std::vector<Vec<Dim>>& unfelt) {
     State<Dim>& state = std::get<State<Dim>>(states_);
@@ -248,6 +255,10 @@ template void ImplicitBodies::place(ImpulseResponse<2>&);
 template void ImplicitBodies::place(ImpulseResponse<3>&);
 template void ImplicitBodies::start(const Scene<2>&, ImpulseResponse<2>&, int) const;
 template void ImplicitBodies::start(const Scene<3>&, ImpulseResponse<3>&, int) const;
+template void ImplicitBodies::answer(const Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
+                                     std::vector<Vec<2>>&);
+template void ImplicitBodies::answer(const Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,
+                                     std::vector<Vec<3>>&);
 template void ImplicitBodies::take(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
                                    const std::vector<Vec<2>>&);
 template void ImplicitBodies::take(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,

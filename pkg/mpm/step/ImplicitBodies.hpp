@@ -23,6 +23,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     // starts a way along each body; sites of contact have unknowns less than `span` apart.
     template <int Dim> void place(ImpulseResponse<Dim>& response);
     template <int Dim> void start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const;
+    // Changes of the velocities of these nodes by impulses on them, in their order, m/s; nothing takes them.
+    template <int Dim>
+    void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes);
     // Impulses on these nodes, in their order, and changes of their velocities that the particles do not take.
     template <int Dim>
     void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& impulses,

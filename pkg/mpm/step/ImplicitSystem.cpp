@@ -165,6 +165,21 @@ void ImplicitSystem<Dim>::start(const Scene<Dim>& scene, ImpulseSweep& sweep, in
 }
 
 template <int Dim>
+void ImplicitSystem<Dim>::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
+                                 const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes) {
+    const NF& nodal = scene.grid.fields[field];
+    const auto forUnknowns = [&](auto&& visit) { // of the nodes that may move
+        for (size_t n = 0; n < response.nodes.size(); ++n)
+            for (int k = 0; k < Dim && response.nodes[n].body == body; ++k)
+                if (const int i = response.nodes[n].unknown + k; holderOf(nodal, i) < 0) visit(n, k, i);
+    };
+    std::fill(solved_.begin(), solved_.end(), 0.0);
+    forUnknowns([&](size_t n, int k, int i) { solved_[i] += impulses[n][k]; });
+    factor_.solve(solved_.data());
+    forUnknowns([&](size_t n, int k, int i) { changes[n][k] = solved_[i]; });
+}
+
+template <int Dim>
 void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
                                const std::vector<Impulse>& impulses, const std::vector<int>& number) {
     const NF& nodal = scene.grid.fields[field];

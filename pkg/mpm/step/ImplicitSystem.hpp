@@ -38,6 +38,9 @@ template <int Dim> class ImplicitSystem {
     void place(ImpulseResponse<Dim>& response, int body, const std::vector<int>& number) const;
     // Starts a way along it from the last unknown to `first`; a site of contact has unknowns less than `span` apart.
     void start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const;
+    // Changes of the velocities of the nodes of a response that are its own, as system number `body`, by impulses on them.
+    void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
+                const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes);
     // Adds what impulses on nodes change in the motion of all.
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
               const std::vector<int>& number);

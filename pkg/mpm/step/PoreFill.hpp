@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Where soil with water is: how much of it is in each cell of the grid, its middle there, and means of its state.
+// Where soil with water is: how much of it is in each cell of the grid, its middle there, and means of its
+// state.
 #pragma once
 
 #include "mpm/scene/CellPoints.hpp"
@@ -50,12 +51,12 @@ template <int Dim> class PoreFill {
     static constexpr double fullFrom =
         0.5; // cover of a cell from which its neighbours may be inside of the soil
 
-    // Of a cell of the grid: volumes of soil that is full of water, of dry soil, and of bodies without water; and
-    // means over the first.
+    // Of a cell of the grid: volumes of soil that is full of water, of dry soil, and of bodies without water;
+    // and means over the first.
     struct Cell {
         double saturated = 0, dry = 0, strange = 0;
         double excess = 0, head = 0, permeability = 0, porosity = 0;
-        Vec<Dim> centre = Vec<Dim>::Zero();
+        Vec<Dim> centre = Vec<Dim>::Zero(), lowest, highest; // of its points
         bool isInside = false;
     };
     std::vector<WetBody<Dim>> wet;
@@ -63,7 +64,7 @@ template <int Dim> class PoreFill {
     const Cell& operator[](int number) const { return cells_[number]; }
     const std::vector<int>& touched() const { return touched_; } // cells with anything, by number
     bool isClosed(const Grid<Dim>& grid, int number) const {
-        return cells_[number].strange > fullFrom * grid.edges(number).prod();
+        return cells_[number].strange > fullFrom * grid.volume(number);
     }
 
     void find(const Scene<Dim>& scene, const WaterTable& water) {
@@ -104,12 +105,17 @@ template <int Dim> class PoreFill {
                     cell.dry += volume;
                     continue;
                 }
-                cell.saturated += volume;
                 cell.excess += volume * (one.pressure[p] - there);
                 cell.head += volume * (there + water.weight * at[Dim - 1]);
                 cell.permeability += volume * one.permeability[p];
                 cell.porosity += volume * one.porosity[p];
-                for (int k = 0; k < Dim; ++k) cell.centre[k] += volume * one.points.position(p, point, k);
+                Vec<Dim> x;
+                for (int k = 0; k < Dim; ++k) x[k] = one.points.position(p, point, k);
+                const bool isFirst = cell.saturated == 0;
+                cell.lowest = isFirst ? x : cell.lowest.cwiseMin(x);
+                cell.highest = isFirst ? x : cell.highest.cwiseMax(x);
+                cell.centre += volume * x;
+                cell.saturated += volume;
             }
         }
     }
@@ -135,7 +141,7 @@ template <int Dim> class PoreFill {
             *sum /= cell.saturated;
         cell.centre /= cell.saturated;
         const auto isFull = [&](int other) {
-            return cells_[other].saturated > fullFrom * grid.edges(other).prod();
+            return cells_[other].saturated > fullFrom * grid.volume(other);
         };
         const Index<Dim> index = grid.indices(number);
         cell.isInside = isFull(number);

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Pore pressure as one unknown u per cell of saturated soil: the excess over a reference. B takes nodal velocities to
-// the flow out of the cells, its transpose u to nodal forces (doc/theory/water.md):
+// Pore pressure as one unknown u per cell of saturated soil: the excess over a reference. B takes nodal
+// velocities to the flow out of the cells, its transpose u to nodal forces (doc/theory/water.md):
 //     (B v)_c = V_c v_i . grad phi_ic      f_i = sum_c V_c u_c grad phi_ic
-// with the volume V_c that the pressure of a cell acts with and the gradient of its rate of volume change: the mean of
-// the gradient over the cell inside of the soil, and that of its particles at a surface (parts). The matrix
+// with the volume V_c that the pressure of a cell acts with and the gradient of its rate of volume change:
+// the mean of the gradient over the cell inside of the soil, and that of its particles at a surface (parts).
+// The matrix
 //     A = C + H + dt B M^-1 B^T,   C = n V_c/(K_w dt)
-// with the flow H u between cells and to where the water is free, is symmetric and positive; it is never formed.
+// with the flow H u between cells and to where the water is free, is symmetric and positive; it is never
+// formed.
+//
+// Cells that a structure cuts hand a share of their flow to neighbours with more soil, and have the same
+// share of their pressure (step/PoreSolids.hpp). Of a node that several groups move, v is the mean by their
+// volumes; implicit bodies answer by all of their nodes.
 #pragma once
 
 #include "mpm/base/parallel/OrderedSum.hpp"
@@ -15,6 +21,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -25,18 +32,22 @@ template <int Dim> class PoreSystem {
     static constexpr int NC = corners<Dim>;
 
     struct Cell {
-        int number;                 // of the grid
-        double volume = 0;          // that its pressure acts with by its corners, m3
-        Vec<Dim> slope;             // of a hat function over the cell, 1/m: with the sign of the corner
+        int number;        // of the grid
+        double volume = 0; // that its pressure acts with by its corners, m3
+        // Of the hat functions of corners, 1/m, with the sign of the corner: of those before and beyond the
+        // middle along the first axis, which differ with axial symmetry.
+        std::array<Vec<Dim>, 2> slopes;
         double storage = 0;         // C, m3/(kPa s)
         double flow = 0;            // diagonal of H, m3/(kPa s)
         double source = 0;          // what flows in at u = 0, m3/s
+        double own = 1;             // part of its flow that is its unknown's
         std::array<int, NC> corner; // number among the nodes
     };
     struct Node {
-        int number;                // of the grid
-        Vec<Dim> step;             // dt over the mass where it may move, else 0, s/Mg
-        std::array<int, NC> cells; // around it, -1: none; in the order of its corner in them
+        int number;                            // of the grid
+        Vec<Dim> step;                         // dt over the mass where it may move, else 0, s/Mg
+        Vec<Dim> stiffStep = Vec<Dim>::Zero(); // the same of implicit bodies, as if each node were alone
+        std::array<int, NC> cells;             // around it, -1: none; in the order of its corner in them
     };
     struct Face {
         int before, beyond; // cells
@@ -48,11 +59,21 @@ template <int Dim> class PoreSystem {
         int cell, node;
         Vec<Dim> flow; // of a velocity of 1 m/s, m2
     };
+    struct Share { // of the flow of a cell that is another one's
+        int from, to;
+        double part;
+    };
 
-    std::vector<Cell> cells;
+    std::vector<Cell> cells; // the first `unknowns` have one, the others only hand on
+    int unknowns = 0;
+    double half = 0; // of the boxes in the cells along r, m: see Grid::ringMoment()
     std::vector<Node> nodes;
     std::vector<Face> faces;
     std::vector<Part> parts; // with nodes of the grid until addNodes()
+    std::vector<Share> shares;
+    // Adds what implicit bodies change in the velocities of the nodes, by the pressure that acts in the
+    // cells.
+    std::function<void(const std::vector<double>&, std::vector<Vec<Dim>>&)> respond;
 
     // One by one, after a new start: the cells first.
     void start(int gridCount) {
@@ -64,13 +85,22 @@ template <int Dim> class PoreSystem {
         nodes.clear();
         faces.clear();
         parts.clear();
+        shares.clear();
+        respond = nullptr;
+        unknowns = 0;
     }
     Cell& addCell(const Grid<Dim>& grid, int number) {
-        cellAt_[number] = int(cells.size());
+        cellAt_[number] = unknowns++;
+        return addHandingCell(grid, number);
+    }
+    // Behind all others.
+    Cell& addHandingCell(const Grid<Dim>& grid, int number) {
         Cell& cell = cells.emplace_back();
         cell.number = number;
         const Vec<Dim> edges = grid.edges(number);
-        cell.slope = (2.0 / NC) * edges.cwiseInverse();
+        for (int side = 0; side < 2; ++side)
+            cell.slopes[side] = (2.0 / NC) * edges.cwiseInverse().cwiseProduct(grid.volumeSlopes(
+                                                 number, number + side * grid.strides[0], half));
         return cell;
     }
     int cellAt(int number) const { return cellAt_[number]; }
@@ -87,9 +117,9 @@ template <int Dim> class PoreSystem {
     }
     // Once all is known: who is beside whom.
     void finish() {
-        beside_.assign(cells.size(), {});
+        beside_.assign(unknowns, {});
         for (auto& list : beside_) list.fill({-1, 0});
-        std::vector<int> count(cells.size(), 0);
+        std::vector<int> count(unknowns, 0);
         for (const Face& face : faces) {
             cells[face.before].flow += face.conductance;
             cells[face.beyond].flow += face.conductance;
@@ -98,41 +128,40 @@ template <int Dim> class PoreSystem {
             beside_[face.before][count[face.before]++] = {face.beyond, face.conductance};
             beside_[face.beyond][count[face.beyond]++] = {face.before, face.conductance};
         }
-        for (auto* vector : {&direction_, &product_}) vector->resize(cells.size());
+        for (auto* vector : {&direction_, &product_}) vector->resize(unknowns);
+        for (auto* vector : {&acting_, &flow_}) vector->resize(cells.size());
         impulse_.resize(nodes.size());
-        findDiagonal();
     }
 
-    // B v of velocities velocity(node of the grid, axis), m3/s.
-    template <class Velocity>
-    void flowOut(ParallelRegion& region, Velocity&& velocity, std::vector<double>& out) const {
+    // B v of the velocities of the nodes, m3/s.
+    void flowOut(ParallelRegion& region, const std::vector<Vec<Dim>>& velocity, std::vector<double>& out) {
         region.chunks(int(cells.size()), [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) {
-                double sum = 0;
-                for (int a = 0; a < NC; ++a)
-                    for (int k = 0; k < Dim; ++k)
-                        sum += cornerSign(a, k) * cells[c].slope[k] *
-                               velocity(nodes[cells[c].corner[a]].number, k);
-                out[c] = cells[c].volume * sum;
-                for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
-                    for (int k = 0; k < Dim; ++k)
-                        out[c] += parts[i].flow[k] * velocity(nodes[parts[i].node].number, k);
-            }
+            for (int c = begin; c < end; ++c) flow_[c] = flowOf(c, velocity);
+        });
+        region.once([&] {
+            handFlow();
+            std::copy(flow_.begin(), flow_.begin() + unknowns, out.begin());
         });
     }
-    // B^T u on a node, kN.
-    Vec<Dim> force(const Node& node, const std::vector<double>& u) const {
+    // What acts in all cells at u.
+    void findActing(const std::vector<double>& u, std::vector<double>& acting) const {
+        acting.resize(cells.size());
+        for (size_t c = 0; c < cells.size(); ++c) acting[c] = int(c) < unknowns ? cells[c].own * u[c] : 0;
+        for (const Share& share : shares) acting[share.from] += share.part * u[share.to];
+    }
+    // B^T u on a node, by what acts in the cells, kN.
+    Vec<Dim> force(const Node& node, const std::vector<double>& acting) const {
         Vec<Dim> f = Vec<Dim>::Zero();
         const size_t number = &node - nodes.data();
         for (int i = ofNode_[number]; i < ofNode_[number + 1]; ++i) {
             const Part& part = parts[byNode_[i]];
-            f += u[part.cell] * part.flow;
+            f += acting[part.cell] * part.flow;
         }
         for (int a = 0; a < NC; ++a) {
             const int c = node.cells[a];
             if (c < 0) continue;
             for (int k = 0; k < Dim; ++k)
-                f[k] += cornerSign(a, k) * cells[c].slope[k] * (cells[c].volume * u[c]);
+                f[k] += cornerSign(a, k) * slopeAt(cells[c], a)[k] * (cells[c].volume * acting[c]);
         }
         return f;
     }
@@ -144,11 +173,35 @@ template <int Dim> class PoreSystem {
         return sum;
     }
 
-    // Solves A u = right from the u that is there, until no cell is off by more than `tolerance` kPa of storage.
-    // Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads.
+    // Once the steps of the nodes are known.
+    void findDiagonal() {
+        const auto own = [&](const Cell& cell) {
+            double sum = 0;
+            for (int a = 0; a < NC; ++a) {
+                const Node& node = nodes[cell.corner[a]];
+                sum += slopeAt(cell, a).cwiseAbs2().dot(node.step + node.stiffStep);
+            }
+            return cell.volume * cell.volume * sum;
+        };
+        overDiagonal_.resize(unknowns);
+        for (int c = 0; c < unknowns; ++c) {
+            const Cell& cell = cells[c];
+            overDiagonal_[c] = cell.storage + cell.flow + cell.own * cell.own * own(cell);
+            for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) {
+                const Node& node = nodes[parts[i].node];
+                overDiagonal_[c] += parts[i].flow.cwiseAbs2().dot(node.step + node.stiffStep);
+            }
+        }
+        for (const Share& share : shares)
+            overDiagonal_[share.to] += share.part * share.part * own(cells[share.from]);
+        for (double& value : overDiagonal_) value = 1 / value;
+    }
+
+    // Solves A u = right from the u that is there, until no cell is off by more than `tolerance` kPa of
+    // storage. Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads.
     int solve(ParallelRegion& region, const std::vector<double>& right, double tolerance, int most,
               std::vector<double>& u, std::vector<double>& residual) {
-        const int n = int(cells.size());
+        const int n = unknowns;
         multiply(region, u, product_);
         region.chunks(n, [&](int begin, int end) {
             for (int c = begin; c < end; ++c) residual[c] = right[c] - product_[c];
@@ -178,34 +231,33 @@ template <int Dim> class PoreSystem {
 
     // y = A x, by all threads.
     void multiply(ParallelRegion& region, const std::vector<double>& x, std::vector<double>& y) {
+        const bool isCut = !shares.empty();
+        if (isCut) region.once([&] { findActing(x, acting_); });
+        const std::vector<double>& acting = isCut ? acting_ : x;
         region.chunks(int(nodes.size()), [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) impulse_[i] = force(nodes[i], x).cwiseProduct(nodes[i].step);
+            for (int i = begin; i < end; ++i)
+                impulse_[i] = force(nodes[i], acting).cwiseProduct(nodes[i].step);
         });
+        if (respond) region.once([&] { respond(acting, impulse_); });
+        const auto add = [&](int c, double flow) { y[c] = cells[c].storage * x[c] + flowAway(c, x) + flow; };
         region.chunks(int(cells.size()), [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) {
-                double sum = 0;
-                for (int a = 0; a < NC; ++a)
-                    for (int k = 0; k < Dim; ++k)
-                        sum += cornerSign(a, k) * cells[c].slope[k] * impulse_[cells[c].corner[a]][k];
-                sum *= cells[c].volume;
-                for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
-                    sum += parts[i].flow.dot(impulse_[parts[i].node]);
-                y[c] = cells[c].storage * x[c] + flowAway(c, x) + sum;
-            }
+            for (int c = begin; c < end; ++c)
+                if (const double flow = flowOf(c, impulse_); isCut)
+                    flow_[c] = flow;
+                else
+                    add(c, flow);
+        });
+        if (!isCut) return;
+        region.once([&] {
+            handFlow();
+            for (int c = 0; c < unknowns; ++c) add(c, flow_[c]);
         });
     }
 
   private:
-    std::vector<int> cellAt_, nodeAt_; // of the grid; -1: none
-    std::vector<int> ofCell_, ofNode_; // first part of each, and the end
-    std::vector<int> byNode_;          // parts, by their node
-    std::vector<std::array<std::pair<int, double>, 2 * Dim>> beside_;
-    std::vector<double> overDiagonal_, direction_, product_;
-    std::vector<Vec<Dim>> impulse_;
-    OrderedSum sum_;
-    double total_ = 0;
-    char isDone_ = 0;
-
+    static const Vec<Dim>& slopeAt(const Cell& cell, int corner) {
+        return cell.slopes[cornerSign(corner, 0) > 0];
+    }
     int addNode(int number) {
         int& at = nodeAt_[number];
         if (at < 0) {
@@ -238,21 +290,36 @@ template <int Dim> class PoreSystem {
         std::vector<int> next(ofNode_.begin(), ofNode_.end() - 1);
         for (int i = 0; i < n; ++i) byNode_[next[parts[i].node]++] = i;
     }
+    std::vector<int> cellAt_, nodeAt_; // of the grid; -1: none
+    std::vector<int> ofCell_, ofNode_; // first part of each, and the end
+    std::vector<int> byNode_;          // parts, by their node
+    std::vector<std::array<std::pair<int, double>, 2 * Dim>> beside_;
+    std::vector<double> overDiagonal_, direction_, product_;
+    std::vector<double> acting_, flow_; // of all cells
+    std::vector<Vec<Dim>> impulse_;
+    OrderedSum sum_;
+    double total_ = 0;
+    char isDone_ = 0;
 
-    void findDiagonal() {
-        overDiagonal_.resize(cells.size());
-        for (size_t c = 0; c < cells.size(); ++c) {
-            const Cell& cell = cells[c];
-            double sum = 0;
-            for (int a = 0; a < NC; ++a) sum += cell.slope.cwiseAbs2().dot(nodes[cell.corner[a]].step);
-            sum *= cell.volume * cell.volume;
-            for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
-                sum += parts[i].flow.cwiseAbs2().dot(nodes[parts[i].node].step);
-            overDiagonal_[c] = 1 / (cell.storage + cell.flow + sum);
-        }
+    double flowOf(int c, const std::vector<Vec<Dim>>& velocity) const {
+        double sum = 0;
+        for (int a = 0; a < NC; ++a)
+            for (int k = 0; k < Dim; ++k)
+                sum += cornerSign(a, k) * slopeAt(cells[c], a)[k] * velocity[cells[c].corner[a]][k];
+        sum *= cells[c].volume;
+        for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) sum += parts[i].flow.dot(velocity[parts[i].node]);
+        return sum;
+    }
+    // The flow of cells to the unknowns that have it.
+    void handFlow() {
+        if (shares.empty()) return;
+        std::vector<double> handed(shares.size());
+        for (size_t i = 0; i < shares.size(); ++i) handed[i] = shares[i].part * flow_[shares[i].from];
+        for (int c = 0; c < unknowns; ++c) flow_[c] *= cells[c].own;
+        for (size_t i = 0; i < shares.size(); ++i) flow_[shares[i].to] += handed[i];
     }
     template <class F> double sumOf(ParallelRegion& region, F&& f) {
-        const int n = int(cells.size());
+        const int n = unknowns;
         region.once([&] { sum_.clear(n); });
         region.chunks(n, [&](int begin, int end) {
             double sum = 0;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/PoreWater.hpp"
 
-#include "mpm/step/GridSolver.hpp"
+#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/timeTable.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace mpm {
 
@@ -57,8 +58,8 @@ void PoreWater::finish() {
     checkTable("PoreWater", "heads", heads, 2);
 }
 
-// Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its cells would
-// strain nothing.
+// Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its
+// cells would strain nothing.
 template <int Dim> void PoreWater::checkSizes(const Scene<Dim>& scene, const Body<Dim>& body) {
     constexpr double most = 1.01; // over the cell
     if (!body.domains->mesh()) return;
@@ -90,23 +91,22 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
                 body->name, "' have water and are in different groups; give them one");
         state.field = body->velocityField;
-        checkSizes(scene, *body);
-        WetBody<Dim> wet(*body);
-        lift(scene, wet, tableAt(scene, scene.time));
     }
+    if (!first) return;
     for (auto& body : scene.bodies)
-        require(!first || !body->isImplicit, "PoreWater: '", body->name,
-                "' is implicit; give scene.add(..., implicit=False) in a scene with water");
-    require(!first || scene.grid.fields.size() == 1,
-            "PoreWater: bodies in contact with soil that has water are "
-            "not possible; give all bodies one group, and drive a structure by its particles");
+        if (PoreState::in(body->particles) >= 0 || body->velocityField != state.field)
+            checkSizes(scene, *body);
+    liftAll(scene, scene.time);
 }
 
 template <int Dim> WaterTable PoreWater::tableAt(const Scene<Dim>& scene, double time) const {
     return {table, rise.empty() ? 0 : rowAt(rise, 2, time)[0], -density * gravityOf(scene)[Dim - 1]};
 }
 
-template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
+// Finds the cells, and loads the nodes with the pressure that is there: what holds or meets them in this
+// step, and implicit bodies, know it. Else contact would stop what the water will stop, or the other way
+// round.
+template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     auto& wet = state.fill.wet;
     wet.clear();
@@ -114,32 +114,63 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
         if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) wet.emplace_back(*body);
     if (wet.empty()) return;
     state.fill.find(scene, tableAt(scene, scene.time));
+    state.solids.find(scene, state.field, state.fill);
     addCells(scene, state);
     addFlow(scene, state);
     state.system.addNodes(scene.grid);
-    setSteps(scene, state);
     state.system.finish();
-    auto& system = state.system;
-    const auto& motion = scene.grid.fields[state.field].motion;
-    state.excess = state.before;
-    iterations = 0;
-    for (auto* vector : {&state.right, &state.residual, &state.flow}) vector->resize(system.cells.size());
-    parallel(scene.threads, [&](ParallelRegion& region) {
-        system.flowOut(region, [&](int node, int k) { return motion[node][k]; }, state.flow);
-    });
-    for (size_t c = 0; c < system.cells.size(); ++c) {
-        const auto& cell = system.cells[c];
-        state.right[c] =
-            cell.storage * state.before[c] - state.flow[c] + cell.source - state.owed[cell.number];
+    findMovers(scene, state);
+    state.system.findActing(state.before, state.acting);
+    for (const Mover& mover : state.movers) {
+        const auto& node = state.system.nodes[mover.node];
+        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
+        auto& sum = scene.grid.fields[mover.group].sum[node.number];
+        for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum, k, force[k]);
     }
-    solve(scene, state, state.excess);
+}
+
+// What changes in the step.
+template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
+    auto& state = std::get<State<Dim>>(states_);
+    if (state.fill.wet.empty()) return;
+    auto& system = state.system;
+    iterations = 0;
+    for (auto* vector : {&state.right, &state.residual, &state.flow}) vector->resize(system.unknowns);
+    setSteps(scene, state);
+    state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
+    for (const Mover& mover : state.movers) {
+        const auto& motion = scene.grid.fields[mover.group].motion[system.nodes[mover.node].number];
+        for (int k = 0; k < Dim; ++k) state.velocity[mover.node][k] += mover.part * motion[k];
+    }
+    state.change.assign(system.unknowns, 0.0);
+    state.excess = state.before;
+    closeBalance(scene, state);
     accelerate(scene, state);
+    addWork(scene, state);
+}
+
+// The change of the pressure with which the balance closes for the velocity that is there.
+template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state) {
+    auto& system = state.system;
+    parallel(scene.threads,
+             [&](ParallelRegion& region) { system.flowOut(region, state.velocity, state.flow); });
+    for (int c = 0; c < system.unknowns; ++c) {
+        const auto& cell = system.cells[c];
+        state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +
+                           system.flowAway(c, state.excess) - cell.source + state.owed[cell.number]);
+    }
+    state.change.assign(system.unknowns, 0.0);
+    solve(scene, state, state.change);
+    for (int c = 0; c < system.unknowns; ++c) state.excess[c] += state.change[c];
+    system.findActing(state.change, state.acting);
 }
 
 // The unknowns.
-template <int Dim> void PoreWater::addCells(const Scene<Dim>& scene, State<Dim>& state) {
+template <int Dim> void PoreWater::addCells(Scene<Dim>& scene, State<Dim>& state) {
     auto& system = state.system;
     system.start(scene.grid.count);
+    auto* const boxes = state.fill.wet.front().body->domains->boxes();
+    system.half = boxes ? boxes->halfSize()[0] : 0;
     state.before.clear();
     for (int number : state.fill.touched()) {
         const auto& fill = state.fill[number];
@@ -147,20 +178,26 @@ template <int Dim> void PoreWater::addCells(const Scene<Dim>& scene, State<Dim>&
         system.addCell(scene.grid, number);
         state.before.push_back(fill.excess);
     }
-    for (const auto& wet : state.fill.wet) addActing(wet, system);
-    for (auto& cell : system.cells)
-        cell.storage *= state.fill[cell.number].porosity / (bulkModulus * scene.dt);
+    for (const auto& wet : state.fill.wet) addActing(state, wet);
+    mirrorParts(scene, state);
+    addHandingCells(scene, state);
+    for (int c = 0; c < system.unknowns; ++c)
+        system.cells[c].storage *= state.fill[system.cells[c].number].porosity / (bulkModulus * scene.dt);
 }
 
-// The pressure acts with the volume and on the nodes as the mean stress of the soil does (step/CellForces.hpp), so what
-// it strains is what the particles get: by the cell inside of the soil, by the particles at a surface.
-template <int Dim> void PoreWater::addActing(const WetBody<Dim>& wet, PoreSystem<Dim>& system) {
+// The pressure acts with the volume and on the nodes as the mean stress of the soil does (step/CellForces.hpp),
+// so what it strains is what the particles get: by the cell inside of the soil, by the particles at a surface.
+// Cells beside structures come later. Storage is a volume until all is known.
+template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Dim>& wet) {
+    auto& system = state.system;
     const auto& body = *wet.body;
     const bool byCells = body.fbar && body.cellAverage.actByCells();
     for (int p = 0; p < body.particles.size(); ++p) {
         if (!(wet.saturation[p] > 0)) continue;
         const double own = body.particles.volume.plane()[p] / wet.points.per(p);
+        const double overRadius = body.domains->overRadius(p);
         for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
+            if (state.solids.isNear(wet.cell[point])) continue;
             const int c = system.cellAt(wet.cell[point]);
             const auto* average = byCells ? body.cellAverage.occupied(wet.cell[point]) : nullptr;
             const double inside = average ? average->inside : 0;
@@ -171,11 +208,75 @@ template <int Dim> void PoreWater::addActing(const WetBody<Dim>& wet, PoreSystem
             system.cells[c].volume += inside * acting;
             system.cells[c].storage += acting;
             if (inside < 1)
-                body.domains->weights(p, [&](int node, double, const Vec<Dim>& slope) {
-                    system.parts.push_back({c, node, (1 - inside) * acting * slope});
+                body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
+                    const Vec<Dim> ofRing = slope + phi * overRadius * Vec<Dim>::Unit(0);
+                    system.parts.push_back({c, node, (1 - inside) * acting * ofRing});
                 });
         }
     }
+}
+
+// Ghost nodes behind rollers move as their images before them.
+template <int Dim> void PoreWater::mirrorParts(Scene<Dim>& scene, State<Dim>& state) {
+    std::map<int, const typename MirrorNodes<Dim>::Image*> images;
+    for (const auto& image : scene.mirrors.find(scene.grid))
+        if (image.field == state.field) images[image.ghost] = &image;
+    if (images.empty()) return;
+    for (auto& part : state.system.parts)
+        if (const auto found = images.find(part.node); found != images.end()) {
+            part.node = found->second->node;
+            part.flow = part.flow.cwiseProduct(found->second->sign);
+        }
+}
+
+// That the pressure of a cell beside a structure acts with: the whole one away from the surface of the soil.
+template <int Dim>
+double PoreWater::actingVolume(const Grid<Dim>& grid, const State<Dim>& state, int number) {
+    const double whole = grid.volume(number);
+    const auto isFull = [&](int other) {
+        return state.fill[other].saturated >
+               (PoreFill<Dim>::fullFrom - state.solids.solidPart(other)) * grid.volume(other);
+    };
+    bool isInside = true;
+    forAround(grid, number, [&](int other, int axes) {
+        if (axes <= 1) isInside = isInside && isFull(other);
+    });
+    return isInside ? whole : std::min(whole, state.fill[number].saturated / state.solids.openPart(number));
+}
+
+// Who hands on what of the flow, and the volume of the soil that stores water.
+template <int Dim> void PoreWater::addHandingCells(const Scene<Dim>& scene, State<Dim>& state) {
+    const Grid<Dim>& grid = scene.grid;
+    auto& system = state.system;
+    if (state.solids.isEmpty()) return;
+    std::vector<double> filled(system.unknowns); // part of its room for soil that a cell acts with
+    for (int c = 0; c < system.unknowns; ++c) {
+        const int number = system.cells[c].number;
+        const bool isNear = state.solids.isNear(number);
+        if (isNear) system.cells[c].volume = actingVolume(grid, state, number);
+        filled[c] = (isNear ? system.cells[c].volume : system.cells[c].storage) / grid.volume(number);
+    }
+    // Hands on what is not its own, with the room for soil.
+    const auto hand = [&](int c) {
+        auto& cell = system.cells[c];
+        const int number = cell.number;
+        const double room = state.solids.openPart(number) * grid.volume(number);
+        cell.own = state.solids.forTakers(grid, state.fill, number, [&](int other, double part) {
+            const int to = system.cellAt(other);
+            system.shares.push_back({c, to, part});
+            if (c >= system.unknowns) cell.volume += part * filled[to] * grid.volume(number);
+            system.cells[to].storage += part * room * filled[c < system.unknowns ? c : to];
+        });
+        if (c < system.unknowns) cell.storage += cell.own * room * filled[c];
+    };
+    for (int c = 0; c < system.unknowns; ++c)
+        if (state.solids.isNear(system.cells[c].number)) hand(c);
+    state.solids.forHanding(grid, state.fill, [&](int number) {
+        const size_t first = system.shares.size();
+        system.addHandingCell(grid, number);
+        hand(int(system.cells.size()) - 1);
+        if (system.shares.size() == first) system.cells.pop_back();
+    });
 }
 
 // Whether something presses on a face of a cell: its corners are held across it.
@@ -187,7 +288,8 @@ template <int Dim> bool PoreWater::isHeld(const Scene<Dim>& scene, int field, in
     return is;
 }
 
-// Part of a face of a cell that soil touches: a prism of the volume in the cell, with its middle as far from the face.
+// Part of a face of a cell that soil touches: a prism of the volume in the cell, with its middle as far from
+// the face.
 template <class Cell> double coverOf(const Cell& cell, double way, double area) {
     return cell.saturated < 2 * way * area ? cell.saturated / (2 * way * area) : 1;
 }
@@ -198,7 +300,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
     const WaterTable water = tableAt(scene, scene.time);
     auto& system = state.system;
     const double overWeight = 1 / (density * standardGravity);
-    for (int c = 0; c < int(system.cells.size()); ++c) {
+    for (int c = 0; c < system.unknowns; ++c) {
         const int number = system.cells[c].number;
         const auto& own = state.fill[number];
         const Index<Dim> index = grid.indices(number);
@@ -212,13 +314,15 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                 }
                 const int beside = number + (side ? 1 : -1) * grid.strides[k], other = system.cellAt(beside);
                 const auto& there = state.fill[beside];
-                const double area = edges.prod() / edges[k];
+                const double face = grid.line(k, index[k] + side);
+                const double area = edges.prod() / edges[k] * grid.thicknessAt(k == 0 ? face : own.centre[0]);
                 if (other < 0) {
                     const bool isClosed = sealed || state.fill.isClosed(grid, beside) ||
+                                          state.solids.solidPart(beside) > PoreFill<Dim>::fullFrom ||
                                           isHeld(scene, state.field, number, k, side);
                     if (isClosed) continue;
                     const double way =
-                        0.5 * std::clamp(own.saturated / edges.prod(), leastCover, 1.0) * edges[k];
+                        0.5 * std::clamp(own.saturated / grid.volume(number), leastCover, 1.0) * edges[k];
                     Vec<Dim> surface = own.centre;
                     surface[k] += side ? way : -way;
                     const double conductance = own.permeability * overWeight * area / way;
@@ -228,8 +332,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                         isTable ? 0 : conductance * (water.head<Dim>(surface) - own.head);
                     continue;
                 }
-                if (!side) continue; // once
-                const double face = grid.line(k, index[k] + 1);
+                if (!side || state.solids.isBetween(grid, state.fill, number, k)) continue; // once
                 const double to = std::max(face - own.centre[k], 0.0),
                              from = std::max(there.centre[k] - face, 0.0);
                 const double way = to + from, least = leastWay * edges[k];
@@ -260,23 +363,72 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     Vec<Dim> x = fill.centre;
     x[axis] = side ? grid.upper[axis] : grid.lower[axis];
     const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
-    const double conductance =
-        fill.permeability / (density * standardGravity) * edges.prod() / edges[axis] / way;
+    const double area = edges.prod() / edges[axis] * grid.thicknessAt(x[0]);
+    const double conductance = fill.permeability / (density * standardGravity) * area / way;
     const double gamma = tableAt(scene, scene.time).weight,
                  head = gamma > 0 ? std::max(gamma * level, gamma * x[Dim - 1]) : 0;
     cell.flow += conductance;
     cell.source += conductance * (head - fill.head);
 }
 
-template <int Dim> void PoreWater::setSteps(const Scene<Dim>& scene, State<Dim>& state) {
-    using NF = NodalField<Dim>;
-    const auto& field = scene.grid.fields[state.field];
+// Of structures only the nodes that have mass.
+template <int Dim> void PoreWater::findMovers(const Scene<Dim>& scene, State<Dim>& state) {
     const double least = scene.leastMass();
-    for (auto& node : state.system.nodes) {
-        const double mass = field.sum[node.number][NF::mass];
-        for (int k = 0; k < Dim; ++k)
-            node.step[k] = mass > least && field.holder[node.number][k] < 0 ? scene.dt / mass : 0;
+    state.movers.clear();
+    for (int i = 0; i < int(state.system.nodes.size()); ++i) {
+        const int number = state.system.nodes[i].number;
+        const auto add = [&](int group, double part) {
+            if (part > 0 && scene.grid.fields[group].sum[number][NodalField<Dim>::mass] > least)
+                state.movers.push_back({i, group, part});
+        };
+        if (!state.solids.isShared(number))
+            add(state.field, 1);
+        else
+            for (int group = 0; group < state.solids.groups(); ++group)
+                add(group, state.solids.partOf(group, number));
     }
+}
+
+// What an impulse changes in the mean velocity of a node. Implicit bodies answer by all of their nodes.
+template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state) {
+    using NF = NodalField<Dim>;
+    auto* const implicit = scene.template find<ImplicitBodies>();
+    state.response.clear();
+    for (auto& node : state.system.nodes) node.step = node.stiffStep = Vec<Dim>::Zero();
+    for (Mover& mover : state.movers) {
+        auto& node = state.system.nodes[mover.node];
+        const auto& field = scene.grid.fields[mover.group];
+        if (implicit && implicit->template moves<Dim>(mover.group, node.number)) {
+            mover.stiff = int(state.response.nodes.size());
+            state.response.nodes.push_back({mover.group, node.number});
+        }
+        for (int k = 0; k < Dim; ++k)
+            if (field.holder[node.number][k] < 0)
+                (mover.stiff < 0 ? node.step : node.stiffStep)[k] +=
+                    mover.part * mover.part * scene.dt / field.sum[node.number][NF::mass];
+    }
+    if (!state.response.isEmpty()) {
+        implicit->place(state.response);
+        state.changes.assign(state.response.nodes.size(), Vec<Dim>::Zero());
+        state.impulses = state.changes;
+        state.system.respond = [&scene, &state, implicit](const std::vector<double>& acting,
+                                                          std::vector<Vec<Dim>>& velocity) {
+            findImpulses(scene, state, acting);
+            implicit->answer(scene, state.response, state.impulses, state.changes);
+            for (const Mover& mover : state.movers)
+                if (mover.stiff >= 0) velocity[mover.node] += mover.part * state.changes[mover.stiff];
+        };
+    }
+    state.system.findDiagonal();
+}
+
+// On the nodes of implicit bodies.
+template <int Dim>
+void PoreWater::findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting) {
+    for (const Mover& mover : state.movers)
+        if (mover.stiff >= 0)
+            state.impulses[mover.stiff] =
+                mover.part * scene.dt * state.system.force(state.system.nodes[mover.node], acting);
 }
 
 template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
@@ -293,71 +445,97 @@ template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, s
     iterations += needed;
 }
 
-// What the pressure does to the motion of the nodes, and to what holds them.
+// What the change of the pressure does to the motion of the nodes, and to what holds them.
 template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& state) {
     using NF = NodalField<Dim>;
-    auto& field = scene.grid.fields[state.field];
     const Vec<Dim> gravity = gravityOf(scene);
-    for (const auto& node : state.system.nodes) {
+    for (const Mover& mover : state.movers) {
+        const auto& node = state.system.nodes[mover.node];
+        auto& field = scene.grid.fields[mover.group];
         const auto& sum = field.sum[node.number];
-        if (!(sum[NF::mass] > 0)) continue;
-        const Vec<Dim> force = state.system.force(node, state.excess);
+        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
         auto& motion = field.motion[node.number];
         for (int k = 0; k < Dim; ++k) {
-            const double own = NF::velocityAtStart(sum, k);
             if (const int holder = field.holder[node.number][k]; holder >= 0) {
                 Constraint& constraint = *scene.constraints[holder];
-                const double work = force[k] * scene.heldMean(holder, k, own) * scene.dt;
                 addReaction<Dim>(scene.grid.nodePosition(node.number), constraint.centre, k, -force[k],
                                  constraint.reaction, constraint.moment);
-                constraint.work -= work;
-                scene.energies.loads += work;
+                constraint.work -=
+                    force[k] * scene.heldMean(holder, k, NF::velocityAtStart(sum, k)) * scene.dt;
                 continue;
             }
-            const double more = node.step[k] * force[k];
+            if (mover.stiff >= 0) continue;
+            const double more = scene.dt / sum[NF::mass] * force[k];
             motion.set(NF::acceleration + k, motion[NF::acceleration + k] + more / scene.dt);
             motion.set(k, motion[k] + more);
-            scene.energies.loads += force[k] * 0.5 * (own + motion[k]) * scene.dt;
             scene.energies.gravity += sum[NF::weightMass] * gravity[k] * 0.5 * more * scene.dt;
+        }
+    }
+    if (state.response.isEmpty()) return;
+    findImpulses(scene, state, state.acting);
+    const std::vector<Vec<Dim>> none(state.impulses.size(), Vec<Dim>::Zero());
+    scene.template find<ImplicitBodies>()->take(scene, state.response, state.impulses, none);
+}
+
+// Of all of the pressure.
+template <int Dim> void PoreWater::addWork(Scene<Dim>& scene, State<Dim>& state) {
+    using NF = NodalField<Dim>;
+    state.system.findActing(state.excess, state.acting);
+    for (const Mover& mover : state.movers) {
+        const auto& node = state.system.nodes[mover.node];
+        auto& field = scene.grid.fields[mover.group];
+        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
+        for (int k = 0; k < Dim; ++k) {
+            const int holder = field.holder[node.number][k];
+            const double own = NF::velocityAtStart(field.sum[node.number], k);
+            const double mean =
+                holder >= 0 ? scene.heldMean(holder, k, own) : 0.5 * (own + field.motion[node.number][k]);
+            scene.energies.loads += force[k] * mean * scene.dt;
         }
     }
 }
 
-// Once more with the velocity that strains the soil: the balance of water closes for what the particles get.
+// Once more with the velocity that strains the soil, behind Contact: the balance of water closes for what the
+// particles get. Implicit bodies are strained by the velocity of the solution.
 template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (state.fill.wet.empty()) return;
     auto& system = state.system;
-    auto& field = scene.grid.fields[state.field];
-    const int n = int(system.cells.size());
-    parallel(scene.threads, [&](ParallelRegion& region) {
-        system.flowOut(region, [&](int node, int k) { return field.velocityOf(node, k); }, state.flow);
-    });
-    outflow = 0;
-    for (int c = 0; c < n; ++c) {
-        const auto& cell = system.cells[c];
-        state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +
-                           system.flowAway(c, state.excess) - cell.source + state.owed[cell.number]);
+    if (!state.response.isEmpty()) {
+        system.respond = nullptr;
+        for (auto& node : system.nodes) node.stiffStep.setZero();
+        system.findDiagonal();
     }
-    state.change.assign(n, 0.0);
-    solve(scene, state, state.change);
-    for (const auto& node : system.nodes) {
-        const Vec<Dim> more = system.force(node, state.change).cwiseProduct(node.step);
+    state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
+    for (const Mover& mover : state.movers) {
+        const auto& field = scene.grid.fields[mover.group];
+        const int number = system.nodes[mover.node].number;
         for (int k = 0; k < Dim; ++k)
-            if (node.step[k] > 0)
+            state.velocity[mover.node][k] +=
+                mover.part * (mover.stiff < 0 ? field.velocityOf(number, k) : field.motion[number][k]);
+    }
+    closeBalance(scene, state);
+    for (const Mover& mover : state.movers) {
+        if (mover.stiff >= 0) continue;
+        const auto& node = system.nodes[mover.node];
+        auto& field = scene.grid.fields[mover.group];
+        const double step = mover.part * scene.dt / field.sum[node.number][NodalField<Dim>::mass];
+        const Vec<Dim> more = step * system.force(node, state.acting);
+        for (int k = 0; k < Dim; ++k)
+            if (field.holder[node.number][k] < 0)
                 field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
     }
     std::fill(state.owed.begin(), state.owed.end(), 0.0);
     debt.clear();
-    for (int c = 0; c < n; ++c) {
+    outflow = 0;
+    for (int c = 0; c < system.unknowns; ++c) {
         const auto& cell = system.cells[c];
-        state.excess[c] += state.change[c];
         state.owed[cell.number] = -state.residual[c];
         debt.insert(debt.end(), {double(cell.number), -state.residual[c]});
+        outflow += system.flowAway(c, state.excess) - cell.source; // between cells it adds up to nothing
     }
-    for (int c = 0; c < n; ++c) // what passes faces between cells adds up to nothing
-        outflow += system.flowAway(c, state.excess) - system.cells[c].source;
     giveToParticles(scene, state);
+    liftAll(scene, scene.time + scene.dt);
 }
 
 // Of the excess in a cell, limited by its neighbours (van Leer 1977), kPa/m.
@@ -384,7 +562,7 @@ Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, in
 }
 
 template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
-    std::vector<Vec<Dim>> slope(state.system.cells.size());
+    std::vector<Vec<Dim>> slope(state.system.unknowns);
     for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
     const WaterTable end = tableAt(scene, scene.time + scene.dt);
     for (auto& wet : state.fill.wet) {
@@ -398,26 +576,46 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
             }
             wet.pressure[p] = excess / wet.points.per(p) + end.pressure<Dim>(x);
         }
-        lift(scene, wet, end);
     }
 }
 
-// Buoyancy below the table, and what its slope drives: the body force of the hydrostatic pressure, m/s2.
-template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, WetBody<Dim>& wet, const WaterTable& water) {
-    auto& particles = wet.body->particles;
+// Water has the reference pressure around all that is below the table: soil that is full of it, and what has
+// no water.
+template <int Dim> void PoreWater::liftAll(Scene<Dim>& scene, double time) {
+    const WaterTable water = tableAt(scene, time);
+    for (auto& body : scene.bodies)
+        if (PoreState::in(body->particles) >= 0 || !table.empty()) lift(scene, *body, water);
+}
+
+// Buoyancy, and what the slope of the table drives: the body force of the reference pressure, m/s2. In a body
+// without water it is that of the faces of each domain, taken as a square: in a row of them the pressures at
+// its ends are left.
+template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water) {
+    auto& particles = body.particles;
     particles.needBodyForce();
+    const double* const saturation =
+        PoreState::in(particles) >= 0 ? WetBody<Dim>(body).saturation : nullptr; // else all is below
     const double h = scene.grid.smallestCell()[0];
+    const auto across = [&](Vec<Dim> x, int k, double width, auto&& value) {
+        x[k] -= 0.5 * width;
+        const double before = value(x);
+        x[k] += width;
+        return (value(x) - before) / width;
+    };
+    const auto pressure = [&](const Vec<Dim>& x) { return water.pressure<Dim>(x); };
+    const auto level = [&](const Vec<Dim>& x) { return water.level<Dim>(x); };
     for (int p = 0; p < particles.size(); ++p) {
         const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
+        const double volume = particles.initialVolume.plane()[p];
         Vec<Dim> force = Vec<Dim>::Zero();
-        if (wet.saturation[p] > 0 && water.pressure<Dim>(x) > 0) {
+        if (!saturation) {
+            const double width = std::pow(volume / scene.grid.thicknessAt(x[0]), 1.0 / Dim);
+            for (int k : {0, Dim - 1}) force[k] = -across(x, k, width, pressure);
+        } else if (saturation[p] > 0 && pressure(x) > 0) {
             force[Dim - 1] = water.weight;
-            Vec<Dim> before = x, after = x;
-            before[0] -= 0.5 * h;
-            after[0] += 0.5 * h;
-            force[0] -= water.weight * (water.level<Dim>(after) - water.level<Dim>(before)) / h;
+            force[0] -= water.weight * across(x, 0, h, level);
         }
-        force *= particles.initialVolume.plane()[p] / particles.mass.plane()[p];
+        force *= volume / particles.mass.plane()[p];
         for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];
     }
 }

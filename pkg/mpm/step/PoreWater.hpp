@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Water in the pores of soil, behind the solution on the nodes and once more behind VelocityRemap: see
-// doc/theory/water.md.
+// Water in the pores of soil. Its pressure acts before GridSolver; the change of it is solved for behind
+// Contact, and once more behind VelocityRemap: see doc/theory/water.md.
 #pragma once
 
-#include "mpm/step/PoreFill.hpp"
-#include "mpm/step/PoreSystem.hpp"
+#include "mpm/step/GridSolver.hpp"
+#include "mpm/step/ImpulseResponse.hpp"
+#include "mpm/step/PoreSolids.hpp"
 
 #include <tuple>
 
 namespace mpm {
 
-class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
+class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public VelocityCoupling {
   public:
     std::vector<double> table, rise, heads, debt;
     double permeability = 1e-7, porosity = 0.4; // of what is added with it
@@ -25,15 +26,29 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     void prepare(Scene<2>& scene) override { check(scene); }
     void prepare(Scene<3>& scene) override { check(scene); }
 
+    void actAhead(Scene<2>& scene) override { loadNodes(scene); }
+    void actAhead(Scene<3>& scene) override { loadNodes(scene); }
     template <int Dim> void act(Scene<Dim>& scene);
     void couple(Scene<2>& scene) override { coupleAs(scene); }
     void couple(Scene<3>& scene) override { coupleAs(scene); }
 
   private:
+    // A group that moves a node of the system, by its part of the volume there.
+    struct Mover {
+        int node, group;
+        double part;
+        int stiff = -1; // place in the response of implicit bodies, -1: none of theirs
+    };
     template <int Dim> struct State {
         PoreSystem<Dim> system;
         PoreFill<Dim> fill;
+        PoreSolids<Dim> solids;
+        std::vector<Mover> movers; // in the order of the nodes
+        ImpulseResponse<Dim> response;
+        std::vector<Vec<Dim>> impulses, changes;                           // of the nodes that respond
+        std::vector<Vec<Dim>> velocity;                                    // of the nodes of the system
         std::vector<double> before, excess, change, right, residual, flow; // of the unknowns
+        std::vector<double> acting;                                        // of the cells of the system
         std::vector<double> owed;                                          // of each cell of the grid
         int field = 0;
     };
@@ -42,18 +57,28 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> static void checkSizes(const Scene<Dim>& scene, const Body<Dim>& body);
     template <int Dim> WaterTable tableAt(const Scene<Dim>& scene, double time) const;
-    template <int Dim> void addCells(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> static void addActing(const WetBody<Dim>& wet, PoreSystem<Dim>& system);
+    template <int Dim> void loadNodes(Scene<Dim>& scene);
+    template <int Dim> void addCells(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void addActing(State<Dim>& state, const WetBody<Dim>& wet);
+    template <int Dim> static void mirrorParts(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void addHandingCells(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static double actingVolume(const Grid<Dim>& grid, const State<Dim>& state, int number);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side);
-    template <int Dim> void setSteps(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void findMovers(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void setSteps(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim>
+    static void findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting);
+    template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u);
     template <int Dim> void accelerate(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> void addWork(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
-    template <int Dim> void lift(const Scene<Dim>& scene, WetBody<Dim>& wet, const WaterTable& water);
+    template <int Dim> void liftAll(Scene<Dim>& scene, double time);
+    template <int Dim> void lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water);
 };
 
 } // namespace mpm

@@ -2,6 +2,8 @@
 """Soil with water in its pores."""
 
 from ..base.wording import shown
+from ..engine.contact import Contact
+from ..engine.gridSolver import GridSolver
 from ..engine.poreWater import PoreWater
 
 
@@ -29,7 +31,8 @@ def checkWater(scene, name, material, water, implicit):
 def giveWater(scene, body, water):
     """Fills the pores of a body below the table, with the hydrostatic pressure."""
     if waterOf(scene) is None:
-        scene.engines.insert(scene.engines.index(scene._gridSolver("add")) + 1, water)
+        last = max(k for k, engine in enumerate(scene.engines) if isinstance(engine, (GridSolver, Contact)))
+        scene.engines.insert(last + 1, water)
     addPores(body)
     depth = water.level(body.position, scene.time) - body.position[:, -1]
     body.saturation = (depth > 0) | (not water.table)
@@ -49,9 +52,11 @@ def waterOf(scene):
 
 
 def displaced(scene, body):
-    """Mass of the water that particles below the table displace, Mg."""
-    if not body._core.hasPores:
-        return 0.0
+    """Mass of the water that particles below the table displace, Mg: full of it, or in a body without it."""
     water = waterOf(scene)
-    isUnder = (body.saturation > 0) & (water.level(body.position, scene.time) > body.position[:, -1])
+    if water is None:
+        return 0.0
+    isUnder = water.level(body.position, scene.time) > body.position[:, -1]
+    if body._core.hasPores:
+        isUnder &= body.saturation > 0
     return water.density * isUnder * body.initialVolume

@@ -6,7 +6,7 @@ import yade_mpm as mpm
 from setups import soft
 from yade_mpm import box
 
-SOLUTION = "BoundaryLoad GridSolver PoreWater Contact GridToParticle"
+SOLUTION = "BoundaryLoad GridSolver Contact PoreWater GridToParticle"
 ORDER = {
     "MUSL": f"ParticleToGrid {SOLUTION} VelocityRemap DomainUpdater",
     "USF": f"ParticleToGrid VelocityRemap DomainUpdater {SOLUTION}",
@@ -18,7 +18,7 @@ ORDER = {
 def test_a_scheme_tells_the_order_of_the_stages(scheme):
     places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme)._core.stageOrder
     assert [place["engines"][0] for place in places] == ORDER[scheme].split()
-    assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "PoreWater", "Contact"]
+    assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "Contact", "PoreWater"]
     many = [p["engines"] for p in places if p["takesMany"]]
     assert many == [
         ["BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "ViscousBoundary", "RigidContact"]

@@ -125,11 +125,11 @@ def twoTables():
     body.scene.add("more", box((0, 0.5), (1, 0.75)), body.material, mpm.UGIMP(), water=more)
 
 
-def inContact():
-    body = made()()
-    steel = mpm.LinearElastic(density=7.0, young=1e5, poisson=0.3)
-    pile = body.scene.add("pile", box((0.25, 0.5), (0.75, 0.75)), steel, mpm.APDI(size=0.125), implicit=False)
-    body.scene.contact(pile, body)
+def twoGroups():
+    body = made(of={"permeability": 0})()
+    water = mpm.PoreWater(permeability=0)
+    more = body.scene.add("more", box((0, 0.5), (1, 0.75)), body.material, mpm.UGIMP(), water=water)
+    body.scene.contact(more, body)
     body.scene.run(steps=1, progress=False)
 
 
@@ -151,7 +151,7 @@ def inContact():
     ("implicit=True", made(implicit=True, fbar=False)),
     ("needs scheme='MUSL'", made(scheme="USL")),
     ("another table", twoTables),
-    ("bodies in contact with soil that has water", inContact),
+    ("have water and are in different groups", twoGroups),
     ("'soil' has water; call scene.groundStress", lambda: made()().scene.initialStress(surface=0.5, K0=0.5)),
 )
 def test_what_is_refused(named, make, kind):

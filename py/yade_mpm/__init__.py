@@ -10,7 +10,7 @@ loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
 heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
-Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
+Mesh, meshFromFile, meshesFromFile, meshFromArrays, inRows       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
 MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
 NorSand, Sanisand                  sands of critical states; Sanisand for cycles
@@ -70,7 +70,7 @@ from .engine.prescribed import Drive, Hold
 from .engine.rigidContact import RigidContact
 from .engine.supports import Anchor, Force, PointForce, Spring, Strut, SurfaceLoad
 from .geometry.mesh import Mesh
-from .geometry.meshInput import meshFromArrays, meshFromFile
+from .geometry.meshInput import meshesFromFile, meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
 from .geometry.region import Region
 from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere

@@ -33,6 +33,7 @@ from .engine.supports import SurfaceLoad as _SurfaceLoad
 from .geometry.mesh import Mesh as Mesh
 from .geometry.meshInput import meshFromArrays as meshFromArrays
 from .geometry.meshInput import meshFromFile as meshFromFile
+from .geometry.meshInput import meshesFromFile as meshesFromFile
 from .geometry.meshRows import inRows as inRows
 from .geometry.region import Region as Region
 from .geometry.regions import box as box

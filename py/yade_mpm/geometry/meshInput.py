@@ -65,6 +65,49 @@ def meshFromFile(path, name):
     Raises FileNotFoundError, ImportError without meshio, ValueError on an unreadable file, on other
     cells, and as `meshFromArrays` does.
     """
+    points, cells, _ = _readFile(path, name)
+    return meshFromArrays(points, _wantedCells(path, cells, name), name)
+
+
+@takes(path=MESH_FILE)
+def meshesFromFile(path):
+    """The meshes of the groups of a file: physical groups of Gmsh, sets of Abaqus.
+
+        for name, mesh in mpm.meshesFromFile("slope.msh").items():
+            scene.add(name, mesh, laws[name])
+
+    Parameters
+    ----------
+    path : of the file, as of `meshFromFile`. Groups of lower dimension (lines, in 3D surfaces) are left out.
+
+    Returns a dict name of the group -> Mesh. Raises ValueError for a file without groups, or one whose cells
+    belong to none or to several of them, and as `meshFromFile` does.
+    """
+    who = os.path.basename(os.fsdecode(path))
+    points, cells, groups = _readFile(path, who)
+    _wantedCells(path, cells, who)
+    dim = max(cellsDim for _, cellsDim, _ in cells)
+    blocks = [k for k, (_, cellsDim, _) in enumerate(cells) if cellsDim == dim]
+    found = {name: [(k, rows[k]) for k in blocks if len(rows[k])] for name, rows in groups.items()}
+    found = {name: parts for name, parts in found.items() if parts}
+    times = [np.zeros(len(corners), int) for _, _, corners in cells]
+    for parts in found.values():
+        for k, rows in parts:
+            times[k][rows] += 1
+    wrong = sum(int((times[k] != 1).sum()) for k in blocks)
+    if not found or wrong:
+        raise ValueError(
+            f"mesh '{who}': {wrong} cells belong to no group or to several; give each part one physical "
+            "group in "
+            "Gmsh, or read the file with meshFromFile"
+        )
+    return {
+        name: meshFromArrays(points, np.concatenate([cells[k][2][rows] for k, rows in parts]), name)
+        for name, parts in found.items()
+    }
+
+
+def _readFile(path, name):
     if find_spec("meshio") is None:
         raise ImportError(
             f"mesh '{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
@@ -77,18 +120,25 @@ def meshFromFile(path, name):
     if not os.path.isfile(path):  # a pipe would wait, a device has no end
         raise ValueError(f"mesh '{name}': {path} is no regular file; give the name of a mesh file")
     try:
-        points, cells = readMesh(path)
+        return readMesh(path)
     except RuntimeError as error:
         raise ValueError(f"mesh '{name}': {path} is not a mesh file that meshio can read: {error}") from error
+
+
+def _wantedCells(path, cells, name):
+    """The quadrilaterals or hexahedra, where all cells of the highest dimension are such."""
     dim = max((cellsDim for _, cellsDim, _ in cells), default=0)
     wanted = {2: "quad", 3: "hexahedron"}.get(dim)
     others = sorted({kind for kind, cellsDim, _ in cells if cellsDim == dim and kind != wanted})
     if wanted is None or others:
+        isGmsh = set(others) & {"triangle", "tetra"}
+        options = f"-{dim} -setnumber Mesh.RecombineAll 1 -setnumber Mesh.SubdivisionAlgorithm {dim - 1}"
         raise ValueError(
-            f"mesh '{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
+            f"mesh '{name}': {os.fsdecode(path)} holds cells of type {', '.join(others) or 'none'}; "
             "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
+            + (f"; Gmsh makes them by: gmsh model.geo {options}" if isGmsh else "")
         )
-    return meshFromArrays(points, np.concatenate([c for kind, _, c in cells if kind == wanted]), name)
+    return np.concatenate([c for kind, _, c in cells if kind == wanted])
 
 
 def _asArrays(points, cells, name):

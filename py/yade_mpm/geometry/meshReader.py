@@ -21,8 +21,9 @@ MEMORY, MEMORY_PER_BYTE = 4 << 30, 200  # bytes, and bytes per byte
 
 
 def readMesh(path):
-    """Points (N, 2 or 3), and a list of (kind, dimension, corners) of the cells, of a file; RuntimeError,
-    which says why, where meshio does not read it."""
+    """Points (N, 2 or 3), a list of (kind, dimension, corners) of the cells, and a dict name of a group ->
+    numbers (N,) of its cells in each of the list, of a file; RuntimeError, which says why, where meshio does
+    not read it."""
     size = os.path.getsize(path)
     seconds = SECONDS + size * SECONDS_PER_BYTE
     limits = [str(int(seconds) + 1), str(MEMORY + MEMORY_PER_BYTE * size)]
@@ -37,8 +38,11 @@ def readMesh(path):
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         raise RuntimeError(lines[-1][:SHOWN] if lines else f"meshio ended with code {done.returncode}")
     arrays = np.load(io.BytesIO(done.stdout), allow_pickle=False)
-    kinds = [name.split() for name in arrays if name != "points"]
-    return arrays["points"], [(kind, int(dim), arrays[f"{k} {kind} {dim}"]) for k, kind, dim in kinds]
+    kinds = [name.split() for name in arrays if name not in ("points", "names") and "group" not in name]
+    cells = [(kind, int(dim), arrays[f"{k} {kind} {dim}"]) for k, kind, dim in kinds]
+    names = arrays["names"].tolist()
+    groups = {name: [arrays[f"group {g} {k}"] for k in range(len(cells))] for g, name in enumerate(names)}
+    return arrays["points"], cells, groups
 
 
 def _hand(path, seconds, memory):
@@ -54,9 +58,25 @@ def _hand(path, seconds, memory):
     out, sys.stdout = sys.stdout.buffer, sys.stderr  # meshio prints
     mesh = meshio.read(path)
     cells = {f"{k} {c.type} {c.dim}": np.asarray(c.data) for k, c in enumerate(mesh.cells)}
+    groups = _groups(mesh)
+    rows = {f"group {g} {k}": r for g, all in enumerate(groups.values()) for k, r in enumerate(all)}
     image = io.BytesIO()
-    np.savez(image, points=np.asarray(mesh.points), **cells)
+    np.savez(image, points=np.asarray(mesh.points), names=np.array(list(groups), str), **cells, **rows)
     out.write(image.getvalue())
+
+
+def _groups(mesh):
+    """Dict name -> numbers of the cells in each block: the physical groups of Gmsh, or the sets of others."""
+    tags = mesh.cell_data.get("gmsh:physical")
+    if tags is None:
+        sets = {str(name): all for name, all in mesh.cell_sets.items() if not name.startswith("gmsh:")}
+        return {name: [np.array([] if r is None else r, int) for r in all] for name, all in sets.items()}
+    return {
+        str(name): [
+            np.flatnonzero(np.asarray(t) == tag) if c.dim == dim else [] for t, c in zip(tags, mesh.cells)
+        ]
+        for name, (tag, dim) in mesh.field_data.items()
+    }
 
 
 if __name__ == "__main__":

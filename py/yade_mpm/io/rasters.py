@@ -171,7 +171,7 @@ def _fromTriangles(file, spacing):
     from matplotlib.tri import LinearTriInterpolator, Triangulation
 
     try:
-        points, cells = readMesh(file)
+        points, cells, _ = readMesh(file)
     except RuntimeError as error:
         raise ValueError(f"readTerrain: {shown(str(file))} is no mesh of triangles: {error}") from None
     triangles = [corners for kind, _, corners in cells if kind == "triangle"]

@@ -17,4 +17,5 @@ from .figures import (
     plt,
     save,
 )
+from .maps import terrainMaps
 from .structure import structure

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
+import yade_mpm as mpm
 from inputs import refused
 from yade_mpm.geometry.lattice import latticePoints
 from yade_mpm.geometry.mesh import boundaryFacets, cellVolumes, cornerJacobians
@@ -275,3 +276,48 @@ def test_boundary_facets_are_the_surface_and_point_outwards(dim, ratio, particle
     assert np.all(np.sum(away * normals, axis=1) > 0)
     # Divergence theorem: the flux of x through the surface is dim times the volume.
     assert np.sum(middles * normals) == pytest.approx(dim * (1 - 0.2**dim), rel=1e-12)
+
+
+# --- groups of a file ---------------------------------------------------------------------------------------
+def gmshFile(path, dim, kind="quad", groups=("clay", "sand")):
+    """Two cells side by side in Gmsh's format 2.2, each in a physical group, with a line or face besides."""
+    import meshio
+
+    side = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+    if dim == 3:
+        side = np.concatenate([side, side + (0, 0, 1)])
+    points = np.concatenate([side, side + (2, 0, 0)])
+    n = len(side)
+    corners = np.arange(2 * n).reshape(2, n)
+    if kind == "triangle":
+        corners = corners[:, :3]
+    low = np.array([[0, 1]]) if dim == 2 else np.array([[0, 1, 2, 3]])
+    cells = [("line" if dim == 2 else "quad", low), (kind, corners)]
+    tags = [np.array([9]), np.arange(1, 3)[: len(corners)]]
+    named = {name: np.array([k + 1, dim]) for k, name in enumerate(groups)}
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    meshio.Mesh(points, cells, cell_data=data, field_data={**named, "edge": np.array([9, dim - 1])}).write(
+        path, file_format="gmsh22", binary=False
+    )
+
+
+@pytest.mark.parametrize("dim, kind", [(2, "quad"), (3, "hexahedron")])
+def test_physical_groups_of_gmsh_are_bodies(dim, kind, tmp_path):
+    gmshFile(tmp_path / "two.msh", dim, kind)
+    found = mpm.meshesFromFile(tmp_path / "two.msh")
+    assert list(found) == ["clay", "sand"]
+    assert found["clay"].points[:, 0].max() == 1 and found["sand"].points[:, 0].min() == 2
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5)
+    law = mpm.LinearElastic(density=1.0, lame=(1.0, 1.0))
+    assert [scene.add(name, mesh, law).count for name, mesh in found.items()] == [1, 1]
+
+
+def test_files_that_are_no_groups_of_quadrilaterals_say_what_to_do(tmp_path):
+    gmshFile(tmp_path / "three.msh", 2, "triangle")
+    with pytest.raises(
+        ValueError, match="type triangle; .* gmsh model.geo -2 -setnumber Mesh.RecombineAll 1"
+    ):
+        mpm.meshesFromFile(tmp_path / "three.msh")
+    gmshFile(tmp_path / "one.msh", 2, groups=("clay",))
+    with pytest.raises(ValueError, match="1 cells belong to no group or to several; give each part"):
+        mpm.meshesFromFile(tmp_path / "one.msh")

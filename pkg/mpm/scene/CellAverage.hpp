@@ -367,16 +367,16 @@ template <int Dim> class CellAverage {
     }
 
     template <bool isAxisymmetric> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
-        Vec<Dim> sum = Vec<Dim>::Zero();
+        Vec<Dim> sum = Vec<Dim>::Zero(), slopes[2]; // of the cells beyond the node, and before it
+        for (int before = 0; isAxisymmetric && before < 2; ++before)
+            slopes[before] = grid.volumeSlopes(std::max(0, node - before), node, half_);
         for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
             int number = node;
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
-            if (number < 0) continue;
-            if (isAxisymmetric && acting_[Dim - 1][number] != 0) {
-                const Vec<Dim> slopes = grid.volumeSlopes(number, node, half_);
-                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * slopes[k] * acting_[k][number];
-            } else
-                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting_[k][number];
+            if (number < 0 || (isAxisymmetric && acting_[Dim - 1][number] == 0)) continue;
+            for (int k = 0; k < Dim; ++k)
+                sum[k] -= cornerSign(a, k) * acting_[k][number] *
+                          (isAxisymmetric ? slopes[cornerSign(a, 0) > 0][k] : 1);
         }
         return sum / (corners<Dim> / 2);
     }

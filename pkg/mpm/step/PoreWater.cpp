@@ -393,7 +393,7 @@ template <int Dim> void PoreWater::findMovers(const Scene<Dim>& scene, State<Dim
 template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state) {
     using NF = NodalField<Dim>;
     auto* const implicit = scene.template find<ImplicitBodies>();
-    state.response.clear();
+    state.response.nodes.clear();
     for (auto& node : state.system.nodes) node.step = node.stiffStep = Vec<Dim>::Zero();
     for (Mover& mover : state.movers) {
         auto& node = state.system.nodes[mover.node];
@@ -407,7 +407,7 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
                 (mover.stiff < 0 ? node.step : node.stiffStep)[k] +=
                     mover.part * mover.part * scene.dt / field.sum[node.number][NF::mass];
     }
-    if (!state.response.isEmpty()) {
+    if (!state.response.nodes.empty()) {
         implicit->place(state.response);
         state.changes.assign(state.response.nodes.size(), Vec<Dim>::Zero());
         state.impulses = state.changes;
@@ -471,7 +471,7 @@ template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& sta
             scene.energies.gravity += sum[NF::weightMass] * gravity[k] * 0.5 * more * scene.dt;
         }
     }
-    if (state.response.isEmpty()) return;
+    if (state.response.nodes.empty()) return;
     findImpulses(scene, state, state.acting);
     const std::vector<Vec<Dim>> none(state.impulses.size(), Vec<Dim>::Zero());
     scene.template find<ImplicitBodies>()->take(scene, state.response, state.impulses, none);
@@ -501,7 +501,7 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (state.fill.wet.empty()) return;
     auto& system = state.system;
-    if (!state.response.isEmpty()) {
+    if (!state.response.nodes.empty()) {
         system.respond = nullptr;
         for (auto& node : system.nodes) node.stiffStep.setZero();
         system.findDiagonal();

@@ -2,6 +2,7 @@
 // Velocities that impulses give to an implicit body, and the bound on its answers, against the dense inverse.
 #include "mpm/step/ImpulseResponse.hpp"
 
+#include <Eigen/Dense>
 #include <Eigen/LU>
 
 #include <cmath>

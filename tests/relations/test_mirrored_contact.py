@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Mirror images of scenes with contact are mirror images: meshes, boxes, implicit bodies, and several groups at a
-place, in 2D and 3D. Sums have another order, so 1e-9 of the largest value."""
+"""Mirror images of scenes with contact are mirror images: meshes, boxes, implicit bodies, and several
+groups at a place, in 2D and 3D. Sums have another order, so 1e-9 of the largest value."""
 
 import numpy as np
 import pytest

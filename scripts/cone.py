@@ -22,7 +22,8 @@ from yade_mpm.geotech import reference
 from yade_mpm.geotech.reference import DENSITY, POISSON, STRENGTH
 
 RADIUS, GRAVITY = 0.4, 10.0  # m, R; m/s2
-WIDE, BELOW = 15, 8  # of the ground, and below the tip at the end, R
+WIDE, BELOW = 40, 8  # of the ground, and below the tip at the end, R
+EVEN = 6  # R, from the axis: cells are equal up to there
 START = 6  # R, depth of the tip at the start
 RAMP = 0.02  # m, over which the rate grows from zero
 BLUNT = 0.15  # R, radius that the tip is cut at: domains have four corners
@@ -67,7 +68,9 @@ def build(a):
     """The scene: the cone in its hole, stress at rest (without output)."""
     cell = RADIUS / a.cells
     deep, top = ceil((START + a.way + BELOW) * a.cells) * cell, ceil((a.way + 2) * a.cells) * cell
-    scene = mpm.Scene((0, -deep), (WIDE * RADIUS, top), cell, axisymmetric=True, threads=a.threads)
+    even = mpm.Grading(((0, -deep), (EVEN * RADIUS, top)), largest=2 * RADIUS)
+    size = (0, -deep), (WIDE * RADIUS, top)
+    scene = mpm.Scene(*size, cell, grading=even, axisymmetric=True, threads=a.threads)
     shear = a.rigidity * STRENGTH
     lame = 2 * shear * POISSON / (1 - 2 * POISSON), shear
     clay = mpm.Tresca(density=DENSITY, lame=lame, undrainedStrength=STRENGTH)
@@ -77,9 +80,7 @@ def build(a):
     near = scene.add(
         "soil", zone - hole, clay, mpm.UGIMP(perCell=2, splitAt=1.3), group="soil", fbar=not a.noFbar
     )
-    scene.add(
-        "far soil", ground - zone, clay, mpm.APDI(size=cell, matched=near), group="soil", fbar=not a.noFbar
-    )
+    scene.add("far soil", ground - zone, clay, mpm.APDI(matched=near), group="soil", fbar=not a.noFbar)
     depth = (START + 0.5 * a.way) * RADIUS
     scene.initialStress(
         surface=0.0, K0=1 - 2 * a.delta * STRENGTH / (DENSITY * GRAVITY * depth), gravity=GRAVITY

@@ -84,7 +84,7 @@ def test_pressure_in_the_middle_below_a_plate_rises_as_mandel_says(kinds, verifi
 DEPTH, SOFT = 2.0, 30.0  # m, kPa
 
 
-def settled(time, permeability, count=50):
+def settled(time, permeability, porosity=None, count=50):
     """Settlement of mud, m, and excess at its base, kPa, for the stress M ln(J)/J of Hencky's law.
 
     In coordinates X of the material dJ/dt = d/dX (k/(gamma J) du/dX): Gibson, England & Hussey 1967,
@@ -95,17 +95,20 @@ def settled(time, permeability, count=50):
     steps = int(np.ceil(time / (0.1 * step**2 / (kOverGamma * SOFT))))
     for _ in range(steps):
         u, c = SOFT * np.log(J) / J + GAMMA * above, kOverGamma / J
+        if porosity:  # Kozeny & Carman
+            n = 1 - (1 - porosity) / J
+            c *= n**3 / (1 - n) ** 2 / (porosity**3 / (1 - porosity) ** 2)
         flow = 0.5 * (c[1:] + c[:-1]) * np.diff(u) / step
         J += time / steps * np.diff(np.r_[0.0, flow, -c[-1] * u[-1] / (step / 2)]) / step
     return (1 - J).sum() * step, u[0]
 
 
-def mud(kind, permeability, cells=20):
+def mud(kind, permeability, cells=20, **options):
     """Mud of twice the density of water, under water, that rests on all of its water at the start."""
     h = DEPTH / cells
     scene = mpm.Scene((0, 0), (2 * h, DEPTH + 2 * h), h, gravity=GAMMA)
     scene.roller("left", "right", "bottom")
-    water = mpm.PoreWater(table=DEPTH + 0.5, permeability=permeability)
+    water = mpm.PoreWater(table=DEPTH + 0.5, permeability=permeability, **options)
     body = scene.add(
         "mud", box((0, 0), (2 * h, DEPTH)), elastic(SOFT, 0.3), KINDS[kind](h), fbar=True, water=water
     )
@@ -129,6 +132,20 @@ def test_mud_settles_under_its_weight(kind, verified):
         verified((1 - body.volume / body.initialVolume).mean() * DEPTH, exact)
         verified(water.excess(body)[lowest], excess)
     assert settled(30, 1.2e-2)[0] > 1.1 * exact  # with a fifth more of permeability
+
+
+@pytest.mark.verifies(
+    "settlement of mud whose permeability falls with its pores",
+    reference="Gibson, England & Hussey 1967, with Kozeny & Carman",
+    tolerance=0.02,
+)
+@pytest.mark.filterwarnings("ignore:body 'mud'. its own weight")
+def test_mud_that_lets_less_water_through_the_denser_it_is_settles_more_slowly(verified):
+    scene, body, _ = mud("boxes", permeability=1e-2, porosity=0.6, kozenyCarman=True)
+    scene.run(until=30, progress=False)
+    exact = settled(scene.time, 1e-2, porosity=0.6)[0]
+    verified((1 - body.volume / body.initialVolume).mean() * DEPTH, exact)
+    assert exact < 0.95 * settled(scene.time, 1e-2)[0]
 
 
 # --- a wave -----------------------------------------------------------------------------------------

@@ -67,11 +67,12 @@ template <int Dim> class PoreFill {
         return cells_[number].strange > fullFrom * grid.volume(number);
     }
 
-    void find(const Scene<Dim>& scene, const WaterTable& water) {
+    // isDenser: soil that has less volume lets less water through (Kozeny & Carman).
+    void find(const Scene<Dim>& scene, const WaterTable& water, bool isDenser) {
         cells_.resize(scene.grid.count);
         for (int number : touched_) cells_[number] = {};
         touched_.clear();
-        for (auto& one : wet) addPoints(scene.grid, one, water);
+        for (auto& one : wet) addPoints(scene.grid, one, water, isDenser);
         addStrange(scene);
         std::sort(touched_.begin(), touched_.end());
         for (int number : touched_) takeMeans(scene.grid, number);
@@ -87,7 +88,13 @@ template <int Dim> class PoreFill {
         return cell;
     }
 
-    void addPoints(const Grid<Dim>& grid, WetBody<Dim>& one, const WaterTable& water) {
+    // n^3/(1 - n)^2 over that at the start, of grains that keep their volume: n0 there, and V/V0.
+    static double kozenyCarman(double porosity, double volume) {
+        const double now = std::max(1 - (1 - porosity) / volume, 0.0), pores = now / porosity;
+        return pores * pores * pores * volume * volume;
+    }
+
+    void addPoints(const Grid<Dim>& grid, WetBody<Dim>& one, const WaterTable& water, bool isDenser) {
         auto& particles = one.body->particles;
         one.points.start(particles, one.body->domains->mesh());
         one.cell.resize(one.points.size());
@@ -99,6 +106,8 @@ template <int Dim> class PoreFill {
             const double volume = particles.volume.plane()[p] / count;
             const Vec<Dim> at = vectorAt<Dim>(particles.position, p);
             const double there = water.pressure<Dim>(at);
+            const double change = particles.volume.plane()[p] / particles.initialVolume.plane()[p];
+            const double k = one.permeability[p] * (isDenser ? kozenyCarman(one.porosity[p], change) : 1);
             for (int point = one.points.at(p); point < one.points.at(p) + count; ++point) {
                 Cell& cell = touch(one.cell[point]);
                 if (!(one.saturation[p] > 0)) {
@@ -107,7 +116,7 @@ template <int Dim> class PoreFill {
                 }
                 cell.excess += volume * (one.pressure[p] - there);
                 cell.head += volume * (there + water.weight * at[Dim - 1]);
-                cell.permeability += volume * one.permeability[p];
+                cell.permeability += volume * k;
                 cell.porosity += volume * one.porosity[p];
                 Vec<Dim> x;
                 for (int k = 0; k < Dim; ++k) x[k] = one.points.position(p, point, k);

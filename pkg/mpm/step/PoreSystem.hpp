@@ -55,6 +55,11 @@ template <int Dim> class PoreSystem {
         double drive;       // flow from `before` to `beyond` at equal u, m3/s
     };
 
+    struct Outlet { // to water outside
+        int cell;
+        double conductance; // m3/(kPa s)
+        double source;      // what flows in at u = 0, m3/s
+    };
     struct Part { // of B: what particles at a surface have of a cell
         int cell, node;
         Vec<Dim> flow; // of a velocity of 1 m/s, m2
@@ -69,6 +74,7 @@ template <int Dim> class PoreSystem {
     double half = 0; // of the boxes in the cells along r, m: see Grid::ringMoment()
     std::vector<Node> nodes;
     std::vector<Face> faces;
+    std::vector<Outlet> outlets;
     std::vector<Part> parts; // with nodes of the grid until addNodes()
     std::vector<Share> shares;
     // Adds what implicit bodies change in the velocities of the nodes, by the pressure that acts in the
@@ -84,6 +90,7 @@ template <int Dim> class PoreSystem {
         cells.clear();
         nodes.clear();
         faces.clear();
+        outlets.clear();
         parts.clear();
         shares.clear();
         respond = nullptr;
@@ -127,6 +134,10 @@ template <int Dim> class PoreSystem {
             cells[face.beyond].source += face.drive;
             beside_[face.before][count[face.before]++] = {face.beyond, face.conductance};
             beside_[face.beyond][count[face.beyond]++] = {face.before, face.conductance};
+        }
+        for (const Outlet& outlet : outlets) {
+            cells[outlet.cell].flow += outlet.conductance;
+            cells[outlet.cell].source += outlet.source;
         }
         for (auto* vector : {&direction_, &product_}) vector->resize(unknowns);
         for (auto* vector : {&acting_, &flow_}) vector->resize(cells.size());

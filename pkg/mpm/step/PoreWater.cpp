@@ -17,6 +17,13 @@ constexpr double leastCover = 0.05;      // of a cell, for the way to a surface
 constexpr double leastWay = 0.25;        // in cells, between the middles of the soil in two cells
 constexpr int mostIterations = 5000;
 
+// The value of rows (face, value), nullptr: the face has none.
+const double* atFace(const std::vector<double>& rows, double face) {
+    for (size_t i = 0; i + 1 < rows.size(); i += 2)
+        if (rows[i] == face) return &rows[i + 1];
+    return nullptr;
+}
+
 } // namespace
 
 const Field* PoreState::fields() {
@@ -39,6 +46,9 @@ std::vector<Parameter> PoreWater::attributes() {
     return {{"table", "m", "Rows (x, level) of the water table, linear between them.", &table},
             {"rise", "s, m", "Rows (time, height) that the table rises by.", &rise},
             {"heads", "m", "Rows (face, level of the water behind it); others are closed.", &heads},
+            {"drained", "", "Numbers of faces with water to the table behind them.", &drained},
+            {"inflows", "m/s", "Rows (face, flow through it into the soil).", &inflows},
+            {"kozenyCarman", "", "The permeability follows the volume, as n^3/(1 - n)^2.", &kozenyCarman},
             {"permeability", "m/s", "Hydraulic conductivity of the soil that it is given to; 0: undrained.",
              &permeability, Range::notNegative()},
             {"porosity", "-", "Volume of the pores over that of this soil.", &porosity, Range::inside(0, 1)},
@@ -48,7 +58,8 @@ std::vector<Parameter> PoreWater::attributes() {
             {"tolerance", "kPa", "Error of the pressure that the solution may leave to the next step.",
              &tolerance, Range::positive()},
             {"iterations", "", "Iterations of the last step.", &iterations},
-            {"outflow", "m3/s", "Flow out of the soil in the last step (2D: m2/s).", &outflow},
+            {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
+            {"inflow", "m3/s", "What entered it.", &inflow},
             {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt}};
 }
 
@@ -56,6 +67,7 @@ void PoreWater::finish() {
     checkTable("PoreWater", "table", table, 2);
     checkTable("PoreWater", "rise", rise, 2);
     checkTable("PoreWater", "heads", heads, 2);
+    checkTable("PoreWater", "inflows", inflows, 2);
 }
 
 // Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its
@@ -113,7 +125,7 @@ template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
         if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) wet.emplace_back(*body);
     if (wet.empty()) return;
-    state.fill.find(scene, tableAt(scene, scene.time));
+    state.fill.find(scene, tableAt(scene, scene.time), kozenyCarman);
     state.solids.find(scene, state.field, state.fill);
     addCells(scene, state);
     addFlow(scene, state);
@@ -327,9 +339,8 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                     surface[k] += side ? way : -way;
                     const double conductance = own.permeability * overWeight * area / way;
                     const bool isTable = own.dry > 0 || there.dry > 0; // and no surface of the soil
-                    system.cells[c].flow += conductance;
-                    system.cells[c].source +=
-                        isTable ? 0 : conductance * (water.head<Dim>(surface) - own.head);
+                    const double head = isTable ? own.head : water.head<Dim>(surface);
+                    system.outlets.push_back({c, conductance, conductance * (head - own.head)});
                     continue;
                 }
                 if (!side || state.solids.isBetween(grid, state.fill, number, k)) continue; // once
@@ -350,25 +361,26 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
     }
 }
 
+// A face of the grid: closed, with a flow, or with water of a level or of the table behind it.
 template <int Dim>
 void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side) {
-    double level = notGiven;
-    for (size_t i = 0; i + 1 < heads.size(); i += 2)
-        if (int(heads[i]) == 2 * axis + side) level = heads[i + 1];
-    if (std::isnan(level)) return;
+    const double face = 2 * axis + side;
     const Grid<Dim>& grid = scene.grid;
-    auto& cell = state.system.cells[c];
-    const auto& fill = state.fill[cell.number];
-    const Vec<Dim> edges = grid.edges(cell.number);
+    auto& system = state.system;
+    const auto& fill = state.fill[system.cells[c].number];
+    const Vec<Dim> edges = grid.edges(system.cells[c].number);
+    const WaterTable water = tableAt(scene, scene.time);
     Vec<Dim> x = fill.centre;
     x[axis] = side ? grid.upper[axis] : grid.lower[axis];
-    const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
     const double area = edges.prod() / edges[axis] * grid.thicknessAt(x[0]);
+    if (const double* given = atFace(inflows, face)) system.outlets.push_back({c, 0, *given * area});
+    const double* level = atFace(heads, face);
+    const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
+    if (!level && !isDrained) return;
+    const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
     const double conductance = fill.permeability / (density * standardGravity) * area / way;
-    const double gamma = tableAt(scene, scene.time).weight,
-                 head = gamma > 0 ? std::max(gamma * level, gamma * x[Dim - 1]) : 0;
-    cell.flow += conductance;
-    cell.source += conductance * (head - fill.head);
+    const double head = level ? water.weight * std::max(*level, x[Dim - 1]) : water.head<Dim>(x);
+    system.outlets.push_back({c, conductance, conductance * (head - fill.head)});
 }
 
 // Of structures only the nodes that have mass.
@@ -527,12 +539,15 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     }
     std::fill(state.owed.begin(), state.owed.end(), 0.0);
     debt.clear();
-    outflow = 0;
     for (int c = 0; c < system.unknowns; ++c) {
         const auto& cell = system.cells[c];
         state.owed[cell.number] = -state.residual[c];
         debt.insert(debt.end(), {double(cell.number), -state.residual[c]});
-        outflow += system.flowAway(c, state.excess) - cell.source; // between cells it adds up to nothing
+    }
+    outflow = inflow = 0;
+    for (const auto& outlet : system.outlets) {
+        const double out = outlet.conductance * state.excess[outlet.cell] - outlet.source;
+        (out > 0 ? outflow : inflow) += std::abs(out);
     }
     giveToParticles(scene, state);
     liftAll(scene, scene.time + scene.dt);

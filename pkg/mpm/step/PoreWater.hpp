@@ -13,11 +13,11 @@ namespace mpm {
 
 class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public VelocityCoupling {
   public:
-    std::vector<double> table, rise, heads, debt;
+    std::vector<double> table, rise, heads, drained, inflows, debt;
     double permeability = 1e-7, porosity = 0.4; // of what is added with it
-    double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0;
+    double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0, inflow = 0;
     int iterations = 0;
-    bool sealed = false;
+    bool sealed = false, kozenyCarman = false;
 
     std::string className() const override { return "PoreWater"; }
     std::string doc() const override;

@@ -81,10 +81,14 @@ def _water(scene):
     if water is None or not wet:
         return
     isFull = sum(b.volume.sum() for b in scene.bodies) > (1 - ROUNDOFF) * np.prod(scene.upper - scene.lower)
-    if not water.heads and (water.sealed or isFull) and max(b.permeability.max() for b in wet) > 0:
+    if (
+        not (water.heads or water.drained)
+        and (water.sealed or isFull)
+        and max(b.permeability.max() for b in wet) > 0
+    ):
         yield (
             "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
-            'the level behind a face, e.g. heads={"bottom": 0.0}, or say permeability=0'
+            'a face water, e.g. drained="bottom", or say permeability=0'
         )
     for body in wet:
         if scene.steps == 0 and water.excess(body).min() < -OVERDRAWN * water.hydrostatic(body).max():

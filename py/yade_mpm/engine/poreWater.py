@@ -32,34 +32,44 @@ soil; faces of the grid, bodies without water and what is driven are closed.
 table : m, level; or rows (x, level), linear between them; default: 0 kPa everywhere, and no buoyancy.
 rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
 heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
+drained : face, or list of faces, with water up to the table behind them.
+inflows : dict face -> flow through it into the soil, m/s; negative: out of it.
 sealed : True: no water passes the surface of the soil.
+kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n the porosity.
 
 A soil with another permeability or porosity has another `PoreWater`, equal in the rest. Results:
 `body.porePressure`, kPa, compression positive; `excess(body)` over the hydrostatic one, kPa; `head(body)`, m;
-`outflow`, m3/s; `iterations`. A history has the columns water.outflow and water.iterations."""
+`outflow` and `inflow`, m3/s, through all boundaries; `iterations`. A history has them as columns, such as
+water.outflow. A surface without water in front of it takes in what the soil sucks, as if it rained."""
     )
 
-    _tables = ("table", "rise", "heads")
+    _tables = ("table", "rise", "heads", "drained", "inflows")
 
     def __init__(
         self,
         table: float | ArrayLike | None = None,
         rise: ArrayLike | None = None,
         heads: dict[str, float] | Sequence[float] | None = None,
+        drained: str | Sequence[str] | Sequence[float] | None = None,
+        inflows: dict[str, float] | Sequence[float] | None = None,
         **attributes,
     ) -> None:
         for name, rows in (("table", table), ("rise", rise)):
             if rows is not None:
                 attributes[name] = rows
-        named = heads if isinstance(heads, dict) else {}
-        if not (heads is None or isinstance(heads, (dict, list, tuple))):
-            raise TypeError(f"PoreWater: heads = {shown(heads)}; give a dict face -> level, m")
-        if wrong := [face for face, level in named.items() if not isNumber(level)]:
-            raise TypeError(
-                f"PoreWater: heads has {shown(named[wrong[0]])} for '{wrong[0]}'; give a level in m"
-            )
-        if heads is not None and not isinstance(heads, dict):  # from a checkpoint
-            attributes["heads"] = list(heads)
+        named = {}
+        for name, rows, unit in (("heads", heads, "level, m"), ("inflows", inflows, "flow, m/s")):
+            if isinstance(rows, dict):
+                named[name] = _checked(name, rows, unit)
+            elif isinstance(rows, (list, tuple)):  # from a checkpoint
+                attributes[name] = list(rows)
+            elif rows is not None:
+                raise TypeError(f"PoreWater: {name} = {shown(rows)}; give a dict face -> {unit}")
+        faces = [drained] if isinstance(drained, str) else [] if drained is None else list(drained)
+        if all(isNumber(face) for face in faces):  # from a checkpoint
+            attributes["drained"] = faces
+        else:
+            named["drained"] = dict.fromkeys(faces)
         super().__init__(**attributes)
         self.__dict__["_named"] = named
 
@@ -74,18 +84,19 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
     def _enter(self, scene):
         """What is known of the faces only with a scene."""
         faces = list(FACES[scene.dim])  # in the order of their numbers
-        if unknown := [face for face in self._named if face not in faces]:
-            raise ValueError(
-                f"PoreWater: heads has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
-            )
-        if self._named:
-            rows = [(k, self._named[face]) for k, face in enumerate(faces) if face in self._named]
-            self._core.set("heads", np.ravel(rows).astype(float).tolist())
+        for name, values in self._named.items():
+            if unknown := [face for face in values if face not in faces]:
+                raise ValueError(
+                    f"PoreWater: {name} has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
+                )
+            rows = [(k, values[face]) for k, face in enumerate(faces) if face in values]
+            numbers = [float(number) for row in rows for number in row if number is not None]
+            self._core.set(name, numbers)
 
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
         mine, its = (one.attributes() for one in (self, other))
-        ignored = ("permeability", "porosity", "iterations", "outflow", "debt", "label")
+        ignored = ("permeability", "porosity", "iterations", "outflow", "inflow", "debt", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
     @takes(body=BODY)
@@ -117,3 +128,12 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
             return np.full(len(positions), -np.inf)
         rise = np.reshape(self.rise, (-1, 2))
         return np.interp(positions[:, 0], *rows.T) + (np.interp(time, *rise.T) if len(rise) else 0.0)
+
+
+def _checked(name, rows, unit):
+    """A dict face -> number."""
+    for face, value in rows.items():
+        if not isNumber(value):
+            wanted = unit.replace(", ", " in ")
+            raise TypeError(f"PoreWater: {name} has {shown(value)} for '{face}'; give a {wanted}")
+    return rows

@@ -119,7 +119,8 @@ def _water(scene):
     water = next((e for e in scene.engines if isinstance(e, PoreWater) and not e.dead), None)
     if water is None:
         return {}
-    return {"water.outflow": ("m3/s", water.outflow), "water.iterations": ("-", water.iterations)}
+    row = {f"water.{name}": ("m3/s", getattr(water, name)) for name in ("outflow", "inflow")}
+    return row | {"water.iterations": ("-", water.iterations)}
 
 
 def _supportsOf(scene):

@@ -36,6 +36,7 @@ UNDRAINED, NO_GRAVITY = "no drained boundary: undrained for ever", "give gravity
         (None, dict()),
         (None, dict(sealed=True, permeability=0.0)),
         (None, dict(sealed=True, heads={"left": 0.5})),
+        (None, dict(sealed=True, drained="left")),
         (None, dict(height=1.0, heads={"bottom": 1.0})),
         (NO_GRAVITY, dict(before=0.0, after=9.81, table=0.5)),
         (None, dict(table=0.5)),
@@ -79,5 +80,6 @@ def test_a_history_has_the_flow_and_the_iterations():
     scene.run(steps=20, progress=False)
     water = next(e for e in scene.engines if isinstance(e, mpm.PoreWater))
     assert history["water.outflow"][-1] == water.outflow != 0
+    assert history["water.inflow"][-1] == water.inflow != 0
     assert history["water.iterations"][-1] == water.iterations > 0
     assert history.units["water.outflow"] == "m3/s/m"

@@ -22,7 +22,7 @@ def pressed(threads=1, dim=2, steps=0, rate=0.1, **water):
     scene.roller("left", "right", *(("front", "back") if dim == 3 else ()))
     law = mpm.MohrCoulomb(**CLAY)
     low, middle, top = lower, (*upper[:-1], 0.75), (*upper[:-1], 1.5)
-    given = dict(table=1.2, porosity=0.4) | water
+    given = dict(table=1.2, porosity=0.4, drained="right", inflows={"left": 1e-5}, kozenyCarman=True) | water
     scene.add("sand", box(low, middle), law, mpm.UGIMP(), water=mpm.PoreWater(permeability=1e-3, **given))
     clay = box((*lower[:-1], 0.75), top)
     scene.add("clay", clay, law, mpm.UGIMP(), water=mpm.PoreWater(permeability=1e-6, **given))
@@ -140,6 +140,8 @@ def twoGroups():
     ),
     ("larger than the cells", lambda: made(particles=mpm.APDI(size=0.5))().scene.run(steps=1)),
     ("'sand' has pore water ... buoyant", lambda: mpm.safety(lambda: pressed(), progress=False)),
+    ("drained has 'north' ... left, right", made(of={"drained": "north"})),
+    ("inflows has '6' for 'left' ... flow in m/s", lambda: mpm.PoreWater(inflows={"left": "6"}), TypeError),
     ("heads = 3", lambda: mpm.PoreWater(heads=3.0), TypeError),
     ("heads has '6' for 'left'", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
     ("permeability = -1", lambda: mpm.PoreWater(permeability=-1)),

@@ -8,7 +8,7 @@ Scene, load, undo              a scene (`help(mpm.Scene)` is the place to start)
 Grading                        a grid whose cells grow outside of a box
 loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
-box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
+box, disc, polygon, sphere, cylinder, prism, halfSpace, everywhere, Region   regions; + - & | combine them
 heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
 Mesh, meshFromFile, meshesFromFile, meshFromArrays, inRows       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
@@ -73,7 +73,7 @@ from .geometry.mesh import Mesh
 from .geometry.meshInput import meshesFromFile, meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
 from .geometry.region import Region
-from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
+from .geometry.regions import box, cylinder, disc, everywhere, halfSpace, polygon, prism, sphere
 from .geometry.terrain import Terrain, heightField
 from .geotech.limitLoad import limitLoad
 from .geotech.safety import safety

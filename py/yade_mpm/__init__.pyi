@@ -37,10 +37,12 @@ from .geometry.meshInput import meshesFromFile as meshesFromFile
 from .geometry.meshRows import inRows as inRows
 from .geometry.region import Region as Region
 from .geometry.regions import box as box
+from .geometry.regions import cylinder as cylinder
 from .geometry.regions import disc as disc
 from .geometry.regions import everywhere as everywhere
 from .geometry.regions import halfSpace as halfSpace
 from .geometry.regions import polygon as polygon
+from .geometry.regions import prism as prism
 from .geometry.regions import sphere as sphere
 from .geometry.terrain import Terrain as Terrain
 from .geometry.terrain import heightField as heightField

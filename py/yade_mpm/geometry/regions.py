@@ -9,6 +9,7 @@ from ..base.wording import shown
 from .polygon import Polygon
 from .primitives import Ball, Box, Everywhere, HalfSpace
 from .region import Composed, Region
+from .solids import Cylinder, Prism
 from .terrain import Below, Layer
 
 
@@ -63,6 +64,33 @@ def polygon(points: ArrayLike) -> Region:
     return Polygon(points)
 
 
+def cylinder(bottom: ArrayLike, top: ArrayLike, radius: float) -> Region:
+    """Cylinder in 3D, in any direction.
+
+    Parameters
+    ----------
+    bottom, top : (3,), m, the ends of its axis.
+    radius : m, positive.
+
+    Raises ValueError on anything else.
+    """
+    return Cylinder(bottom, top, radius)
+
+
+def prism(points: ArrayLike, start: float, end: float, axis: str = "z") -> Region:
+    """Polygon in 3D that is drawn along an axis: a wedge, a slope of one profile, a pile of any section.
+
+    Parameters
+    ----------
+    points : (N, 2), m, corners of the polygon in the two other axes, in their order: (x, y), along y (x, z).
+    start, end : m, ends along the axis.
+    axis : "x", "y" or "z"; default "z".
+
+    Raises ValueError as `polygon` does, and unless start < end.
+    """
+    return Prism(points, start, end, axis)
+
+
 def halfSpace(point: ArrayLike, normal: ArrayLike) -> Region:
     """The side of a plane (line in 2D) that its normal points away from: (x - point) . normal <= 0.
 
@@ -91,6 +119,8 @@ _CONSTRUCTORS = {
     "sphere": sphere,
     "disc": disc,
     "polygon": polygon,
+    "cylinder": cylinder,
+    "prism": prism,
     "halfSpace": halfSpace,
     "everywhere": everywhere,
     "below": Below,

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from inputs import cases, refused
 from yade_mpm.geometry.region import Region
-from yade_mpm.geometry.regions import box, disc, everywhere, halfSpace, polygon, regionFromSpec, sphere
+from yade_mpm.geometry.regions import (
+    box,
+    cylinder,
+    disc,
+    everywhere,
+    halfSpace,
+    polygon,
+    prism,
+    regionFromSpec,
+    sphere,
+)
 
 SQUARE = box((0, 0), (2, 1))
 ONE_OF_EACH = [
@@ -15,6 +25,8 @@ ONE_OF_EACH = [
     sphere((1, 0.5, 0), 0.75),
     disc((1, 0.5), 0.1),
     polygon([(0, 0), (1, 0), (0.5, 2)]),
+    cylinder((0, 0, 1), (1, 2, 3), 0.5),
+    prism([(0, 0), (1, 0), (0.5, 2)], 0, 2, "y"),
     halfSpace((0, 12), (0, 1)),
     everywhere(3),
 ]
@@ -235,3 +247,32 @@ def test_what_a_region_of_ones_own_lacks_is_said():
         Region(2).contains([(0, 0)], closed=False)
     with pytest.raises(NotImplementedError, match=r"Region has no bounds\(\)"):
         Region(2).bounds()
+
+
+def test_a_cylinder_and_a_wedge_have_their_volumes():
+    """By points at random: half a per cent of the box round them."""
+    points = np.random.default_rng(3).uniform(0, 4, (200_000, 3))
+    tilted = cylinder((1, 1, 1), (3, 2.5, 2), 0.6)
+    length = np.linalg.norm([2, 1.5, 1])
+    assert 64 * tilted.contains(points).mean() == pytest.approx(np.pi * 0.36 * length, abs=0.3)
+    wedge = prism([(1, 0), (3, 0), (1, 2)], 1, 4, "y")
+    inside = points[wedge.contains(points)]
+    assert 64 * len(inside) / len(points) == pytest.approx(2 * 3, abs=0.3)
+    lower, upper = wedge.bounds()
+    assert (inside >= lower).all() and (inside <= upper).all() and upper.tolist() == [3, 4, 2]
+    assert wedge.edges() == [(0, 1.0), (1, 1.0), (1, 4.0), (2, 0.0)]
+    assert cylinder((1, 1, 0), (1, 1, 2), 0.5).edges() == [(2, 0.0), (2, 2.0)]
+    lower, upper = tilted.bounds()
+    inside = points[tilted.contains(points)]
+    assert (inside >= lower).all() and (inside <= upper).all()
+
+
+def test_cylinders_and_prisms_refuse_what_has_no_inside():
+    with pytest.raises(ValueError, match="radius = 0 must be positive"):
+        cylinder((0, 0, 0), (0, 0, 1), 0)
+    with pytest.raises(ValueError, match="give the two ends of its axis"):
+        cylinder((0, 0, 1), (0, 0, 1), 1)
+    with pytest.raises(ValueError, match="axis = 'up' is not allowed; give 'x', 'y' or 'z'"):
+        prism([(0, 0), (1, 0), (0, 1)], 0, 1, "up")
+    with pytest.raises(ValueError, match="start = 1 must be below end = 0"):
+        prism([(0, 0), (1, 0), (0, 1)], 1, 0)

@@ -141,7 +141,8 @@ def test_a_beam_on_springs_bends_as_hetenyi_says(verified):
     line = [(0.5, 2), (11.5, 2)]
     beam = scene.add("beam", mpm.Beam(line, EI=EI, EA=1e5, weight=WEIGHT, thickness=0.5))
     springs = [
-        mpm.Spring(beam, at=(x, 2), to=(x, 0.5), stiffness=k * CELL, width=CELL) for x in beam.position[:, 0]
+        mpm.Spring(beam, at=(x, 2), to=(x, 0.5), stiffness=k * CELL / 2, width=CELL / 2)
+        for x in np.unique(beam.position[:, 0].round(9))
     ]
     grown = 20.0  # s, of many periods, so that it does not swing
     push = mpm.Force(
@@ -195,7 +196,7 @@ def shell(*before):
 @pytest.mark.verifies("Shell: cylinder under pressure", reference="membrane", tolerance=0.01)
 def test_a_cylinder_under_pressure_widens_by_its_ring_force(verified):
     scene, body = shell()
-    load = mpm.BoundaryLoad(body, box((0, 0), (RADIUS, HIGH + 2)), pressure=1.0)
+    load = mpm.BoundaryLoad(body, box((0, 0), (RADIUS - 0.2, HIGH + 2)), pressure=1.0)
     scene.engines = [scene.engines[0], load, *scene.engines[1:]]
     forces = solved(scene, 100)
     ring = RADIUS - 0.25  # on the inner face, kN/m

@@ -168,7 +168,8 @@ def alongBeam(body, axis, at):
     span = np.diff(ends, axis=0)
     length = np.linalg.norm(span, axis=1)
     s, isClosed = np.concatenate(([0.0], np.cumsum(length))), np.array_equal(before[0], before[-1])
-    N, Q, M = body.normalForce, body.shearForce, body.bendingMoment
+    each = body.count // len(length)  # domains of an element
+    N, Q, M = body.normalForce[::each], body.shearForce[::each], body.bendingMoment[::each]
     sides = np.stack([M + Q * length / 2, M - Q * length / 2], axis=1)  # dM/ds = -Q
     values = [_atEnds(pair, isClosed) for pair in (np.stack([N, N], 1), np.stack([Q, Q], 1), sides)]
     unit = span / length[:, None]
@@ -197,9 +198,11 @@ def alongBeam(body, axis, at):
 
 
 def _sectionsOf(body, vertices):
-    """Middles of the cross-sections of a `Beam` in their order, m (N, 2)."""
-    corners = vertices[body.cells]
-    return np.concatenate((corners[:, [0, 3]].mean(axis=1), corners[-1:, [1, 2]].mean(axis=1)))
+    """Middles of the cross-sections of a `Beam` in their order, m (N, 2); of a ring the first one again."""
+    count = (len(vertices) - len(body._core.tables()["slaves"])) // 2  # see Beam.hpp
+    middle = (vertices[:count] + vertices[count : 2 * count]) / 2
+    isClosed = np.count_nonzero(body.cells == 0) == 2
+    return np.concatenate((middle, middle[:1])) if isClosed else middle
 
 
 def _atEnds(pair, isClosed):

@@ -13,6 +13,10 @@ from ..geometry.regions import polygon
 from ..material.materials import classes as materials
 from ..particle.types import classes as types
 
+ALONG = 2  # domains between two sections
+PER_CELL = (
+    2  # domains across a cell, as of other meshes: soil has to find vertices on the faces and at the ends
+)
 SHARPEST = np.radians(90)  # turn of the line at a point, from which on sections would cross
 
 
@@ -24,8 +28,8 @@ class Beam:
         wall = scene.add("wall", sheet)
         mpm.sectionForces(wall)
 
-    Its mesh has one domain across; what it resists are N = EA strain and M = EI curvature of its middle line,
-    whatever the thickness of the mesh. It is implicit. In axisymmetric scenes it is a shell, which takes
+    What it resists are N = EA strain and M = EI curvature of its middle line, whatever the thickness of its
+    mesh. It is implicit. In axisymmetric scenes it is a shell, which takes
     forces round the axis, too.
 
     Parameters
@@ -37,7 +41,7 @@ class Beam:
     thickness : m, of its mesh, for contact: two cells or more where soil is on both sides.
     GA : kN/m, shear stiffness; default None: no shear strain.
     limitMoment : kN m/m, moment at which a plastic hinge turns; default None: elastic.
-    size : m, length of a domain, a cell or more; default: a cell.
+    size : m, between cross-sections, a cell or more; default: a cell.
 
     `region` is the place that it takes. Its mass is spread over the thickness of the mesh.
     """
@@ -89,12 +93,9 @@ class Beam:
                 "and LinearElastic, implicit=True"
             )
         points = self._divided(scene, name)
-        right, left = _faces(points, self.thickness, self.isClosed)
-        count = len(points) - self.isClosed
-        start = np.arange(len(points) - 1)
-        end = (start + 1) % count
-        cells = np.stack([start, end, count + end, count + start], axis=1)
-        mesh = Mesh(np.concatenate((right[:count], left[:count])), cells)
+        faces = _faces(points, self.thickness, self.isClosed)
+        cell = float(np.min(scene.cellSizeAt(self.line)))
+        mesh = _mesh(*faces, self.isClosed, max(1, round(PER_CELL * self.thickness / cell)))
         material = materials["BeamSection"](
             density=self.weight / self.thickness, thickness=self.thickness, **self._section
         )
@@ -116,6 +117,48 @@ class Beam:
             n = max(1, int(length / size + 1e-6))
             parts.append(start + (end - start) * (np.arange(1, n + 1) / n)[:, None])
         return np.concatenate(parts)
+
+
+def _mesh(right, left, isClosed, across):
+    """A mesh between two faces, each piece cut in two along it and some across; all vertices but those
+    of the sections on the faces hang on these."""
+    count = len(right) - isClosed
+    points, cells = [*right[:count], *left[:count]], []
+    masters, shares, inside = [], [], {}  # inside: row of vertices of a section that two elements share
+
+    def hang(corner, weights):
+        points.append(weights @ np.array([points[v] for v in np.where(corner < 0, 0, corner)]))
+        masters.append(corner)
+        shares.append(weights)
+        return len(points) - 1
+
+    def row(corner, x):  # of vertices across an element, x: part of the way along it
+        a, b, c, d = corner
+        section = {0: (a, d), ALONG: (b, c)}.get(x)
+        isShared = section is not None and (isClosed or 0 < section[0] < count - 1)
+        if isShared and section in inside:
+            return inside[section]
+        part, y = x / ALONG, np.arange(across + 1) / across
+        weights = np.stack([(1 - part) * (1 - y), part * (1 - y), part * y, (1 - part) * y], axis=1)
+        on = corner
+        if isShared:
+            on = np.array([*section, -1, -1])
+            weights = np.stack([1 - y, y, 0 * y, 0 * y], axis=1)
+        ends = section or (None, None)
+        made = [ends[0], *[None] * (across - 1), ends[1]]
+        made = [hang(on, w) if v is None else v for v, w in zip(made, weights)]
+        if isShared:
+            inside[section] = made
+        return made
+
+    for start in range(len(right) - 1):
+        end = (start + 1) % count
+        rows = [row(np.array([start, end, count + end, count + start]), x) for x in range(ALONG + 1)]
+        for one, two in zip(rows, rows[1:]):
+            cells += [(one[j], two[j], two[j + 1], one[j + 1]) for j in range(across)]
+    slaves = np.arange(2 * count, len(points))
+    hanging = np.reshape(masters, (-1, 4)).astype(int), np.reshape(shares, (-1, 4)).astype(float)
+    return Mesh(np.array(points), np.array(cells), slaves, *hanging)
 
 
 def _checkLine(line):

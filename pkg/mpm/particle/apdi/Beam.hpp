@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// A mesh with one domain across that resists like a beam: one element per domain, from the corners of the undeformed
-// domains and the state of their material (material/BeamSection.cpp).
+// A mesh that resists like a beam: elements between cross-sections, with the state of their material
+// (material/BeamSection.cpp). The vertices that stand by themselves are first those on the right faces of the
+// sections, along the line, then those on the left ones; all others hang on the four of an element, whose domains
+// follow each other.
 #pragma once
 
 #include "mpm/particle/apdi/BeamElement.hpp"
@@ -13,34 +15,40 @@ namespace mpm {
 
 class Beam {
   public:
-    bool isHere() const { return !elements_.empty(); }
+    using Vertices = std::array<int, 4>;
+
+    bool isHere() const { return !parts_.empty(); }
 
     void restored(const DomainMesh<2>& mesh, const Particles<2>& particles, const SectionStiffness& section,
                   bool isRound) {
-        elements_.clear();
-        for (int p = 0; p < mesh.domains(); ++p)
-            elements_.emplace_back(mesh.cornersOf(p, mesh.vertices.reference), section, isRound);
+        parts_.clear();
+        for (int p = 0; p < mesh.domains(); ++p) {
+            const Vertices corner = sectionsOf(mesh, p);
+            if (parts_.empty() || parts_.back().corner != corner)
+                parts_.push_back(
+                    {BeamElement(at(mesh.vertices.reference, corner), section, isRound), corner, p});
+            parts_.back().end = p + 1;
+        }
         energy_ = energyOf(mesh, particles);
     }
 
     // Forces of the elements on the vertices, kN.
     void addForces(const DomainMesh<2>& mesh, const Particles<2>& particles, double* const force[2]) const {
-        for (int p = 0; p < int(elements_.size()); ++p) {
-            const auto s = strained(mesh, particles, p);
+        for (const Part& part : parts_) {
+            const auto s = strained(mesh, particles, part);
             for (int r = 0; r < BeamElement::rows; ++r)
                 for (int a = 0; a < 4; ++a)
                     for (int k = 0; k < 2; ++k)
-                        force[k][mesh.corner[4 * p + a]] -=
-                            elements_[p].stiffness(r) * s.e[r] * s.gradient[r][a][k];
+                        force[k][part.corner[a]] -= part.element.stiffness(r) * s.e[r] * s.gradient[r][a][k];
         }
     }
 
-    // Momentum of the cross-sections, which turn with the domains: particles hold that of their middles alone, and
-    // sections would have to be turned anew in every step.
+    // Momentum of the domains, which turn with their section: particles hold that of their middles alone, and sections
+    // would have to be turned anew in every step.
     void addSpin(const DomainMesh<2>& mesh, const Particles<2>& particles, double inertiaScale,
                  double* const momentum[2]) const {
         const double *xy = particles.velocityGradient.plane(1), *yx = particles.velocityGradient.plane(2);
-        for (int p = 0; p < int(elements_.size()); ++p) {
+        for (int p = 0; p < mesh.domains(); ++p) {
             const Corners<2> x = mesh.cornersOf(p);
             const Vec<2> middle = x.rowwise().mean();
             const double spin = 0.5 * (yx[p] - xy[p]) * 0.25 * inertiaScale * particles.mass.plane()[p];
@@ -56,42 +64,81 @@ class Beam {
     // elastic, and what it loses then has gone into them.
     double finishStep(const DomainMesh<2>& mesh, Particles<2>& particles) {
         const double before = energy_, until = energyOf(mesh, particles);
-        for (int p = 0; p < int(elements_.size()); ++p) {
-            double turned[2] = {particles.state[hingeStart].plane()[p], particles.state[hingeEnd].plane()[p]};
-            elements_[p].yield(strained(mesh, particles, p), turned);
-            for (int end = 0; end < 2; ++end) particles.state[hingeStart + end].plane()[p] = turned[end];
-            tell(p, strained(mesh, particles, p), particles);
+        for (const Part& part : parts_) {
+            double turned[2] = {particles.state[hingeStart].plane()[part.first],
+                                particles.state[hingeEnd].plane()[part.first]};
+            part.element.yield(strained(mesh, particles, part), turned);
+            for (int p = part.first; p < part.end; ++p)
+                for (int end = 0; end < 2; ++end) particles.state[hingeStart + end].plane()[p] = turned[end];
+            tell(part, strained(mesh, particles, part), particles);
         }
         energy_ = energyOf(mesh, particles);
         return until - before;
     }
 
-    const BeamElement& element(int p) const { return elements_[p]; }
-    BeamElement::Strained strained(const DomainMesh<2>& mesh, const Particles<2>& particles, int p) const {
-        const double hinges[2] = {particles.state[hingeStart].plane()[p],
-                                  particles.state[hingeEnd].plane()[p]};
-        return elements_[p].strained(mesh.cornersOf(p), hinges);
+    // f(element, its vertices, what strains it) if domain p is the first of an element.
+    template <class F>
+    void ifFirst(int p, const DomainMesh<2>& mesh, const Particles<2>& particles, F&& f) const {
+        const auto part = std::lower_bound(parts_.begin(), parts_.end(), p,
+                                           [](const Part& one, int domain) { return one.first < domain; });
+        if (part != parts_.end() && part->first == p)
+            f(part->element, part->corner, strained(mesh, particles, *part));
     }
 
   private:
     // Places in BeamSection::stateVariables().
     enum { normalForce, shearForce, bendingMoment, hingeStart, hingeEnd, hoopForce, hoopMoment };
 
-    std::vector<BeamElement> elements_;
+    struct Part {
+        BeamElement element;
+        Vertices corner;
+        int first, end = 0; // of its domains
+    };
+    std::vector<Part> parts_;
     double energy_ = 0; // elastic, kJ
+
+    static Corners<2> at(const Field& positions, const Vertices& corner) {
+        Corners<2> x;
+        for (int a = 0; a < 4; ++a)
+            for (int k = 0; k < 2; ++k) x(k, a) = positions.plane(k)[corner[a]];
+        return x;
+    }
+
+    // The vertices of the element that domain p belongs to.
+    static Vertices sectionsOf(const DomainMesh<2>& mesh, int p) {
+        const auto& hanging = mesh.vertices.hanging;
+        const int sections = (mesh.vertices.size() - hanging.count()) / 2;
+        std::vector<int> found;
+        for (int a = 0; a < 4; ++a)
+            hanging.through(mesh.corner[4 * p + a], [&](int v, double) { found.push_back(v); });
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+        require(found.size() == 4 && found[1] < sections && found[2] >= sections, "Beam: domain ", p,
+                " is not between two cross-sections; make the mesh by mpm.Beam");
+        int start = found[0], end = found[1];
+        if (end - start != 1) std::swap(start, end); // where a ring closes
+        return {start, end, sections + end, sections + start};
+    }
+
+    BeamElement::Strained strained(const DomainMesh<2>& mesh, const Particles<2>& particles,
+                                   const Part& part) const {
+        const double hinges[2] = {particles.state[hingeStart].plane()[part.first],
+                                  particles.state[hingeEnd].plane()[part.first]};
+        return part.element.strained(at(mesh.vertices.position, part.corner), hinges);
+    }
 
     double energyOf(const DomainMesh<2>& mesh, const Particles<2>& particles) const {
         double sum = 0;
-        for (int p = 0; p < int(elements_.size()); ++p)
-            sum += elements_[p].energy(strained(mesh, particles, p));
+        for (const Part& part : parts_) sum += part.element.energy(strained(mesh, particles, part));
         return sum;
     }
 
     // With the signs of sectionForces: Q along the normal to the right of the line, M with tension to its left.
-    void tell(int p, const BeamElement::Strained& s, Particles<2>& particles) const {
+    static void tell(const Part& part, const BeamElement::Strained& s, Particles<2>& particles) {
         const auto set = [&](int variable, double sign, int row) {
-            particles.state[variable].plane()[p] =
-                sign * elements_[p].stiffness(row) * s.e[row] * elements_[p].overVolume();
+            const double force = sign * part.element.stiffness(row) * s.e[row] * part.element.overVolume();
+            double* all = particles.state[variable].plane();
+            std::fill(all + part.first, all + part.end, force);
         };
         set(normalForce, 1, BeamElement::axial);
         set(shearForce, -1, BeamElement::shear);

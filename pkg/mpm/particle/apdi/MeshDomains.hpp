@@ -114,22 +114,13 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     int beamRows(int p, const typename Mesh<Dim>::EachRow& each,
                  typename Mesh<Dim>::Rows& rows) const override {
         if constexpr (Dim == 2) {
-            if (!beam_.isHere()) return 0;
-            constexpr int most = Mesh<Dim>::mostRows;
-            static_assert(most == BeamElement::rows);
-            const auto s = beam_.strained(mesh_, particles, p);
-            for (int r = 0; r < most; ++r) {
-                rows.stiffness[r] = beam_.element(p).stiffness(r);
-                rows.force[r] = rows.stiffness[r] * s.e[r];
-            }
-            for (int a = 0; a < NC; ++a)
-                Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
-                    double row[most][Dim];
-                    for (int r = 0; r < most; ++r)
-                        for (int k = 0; k < Dim; ++k) row[r][k] = part * S * s.gradient[r][a][k];
-                    each(node, row);
-                });
-            return most;
+            int count = 0;
+            if (beam_.isHere())
+                beam_.ifFirst(p, mesh_, particles,
+                              [&](const auto& element, const auto& vertices, const auto& s) {
+                                  count = addRows(element, vertices, s, each, rows);
+                              });
+            return count;
         }
         return 0;
     }
@@ -167,6 +158,24 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
 
   private:
     using Base::mesh_, Base::hourglass_, Base::beam_;
+
+    int addRows(const BeamElement& element, const Beam::Vertices& vertices, const BeamElement::Strained& s,
+                const typename Mesh<Dim>::EachRow& each, typename Mesh<Dim>::Rows& rows) const {
+        constexpr int most = Mesh<Dim>::mostRows;
+        static_assert(most == BeamElement::rows);
+        for (int r = 0; r < most; ++r) {
+            rows.stiffness[r] = element.stiffness(r);
+            rows.force[r] = rows.stiffness[r] * s.e[r];
+        }
+        for (int a = 0; a < 4; ++a)
+            Base::forNodes(vertices[a], [&](int node, double part, double S) {
+                double row[most][Dim];
+                for (int r = 0; r < most; ++r)
+                    for (int k = 0; k < Dim; ++k) row[r][k] = part * S * s.gradient[r][a][k];
+                each(node, row);
+            });
+        return most;
+    }
 
     // visit(begin, end) for domains whose stiffness against patterns is that of now.
     template <class Visit> void forStiffChunks(Visit&& visit) {

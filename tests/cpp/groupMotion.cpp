@@ -13,7 +13,7 @@ TEST(GroupMotion, countsTheEnergyThatParticlesOfThreeGroupsLose) {
     for (const double part : {0.0, 0.3, 0.5, 1.0}) {
         double counted = 0, lost = 0;
         for (int group = 0; group < 3; ++group) {
-            GroupMotion<2> motion{0, 0};
+            GroupMotion<2> motion;
             motion.startInverseMass.setConstant(1 / mass[group]);
             motion.first = first[group];
             motion.agreeing = agreeing[group];

@@ -89,7 +89,11 @@ template <int Dim> void ContactImpulses<Dim>::place(const ContactSearch<Dim>& se
             const int field = search.nodes[i].field[side], node = search.nodes[i].node;
             int number = int(groups.size());
             if (search.pairs.size() > 1) number = known.try_emplace({field, node}, number).first->second;
-            if (number == int(groups.size())) groups.push_back({field, node});
+            if (number == int(groups.size())) {
+                groups.emplace_back();
+                groups.back().field = field;
+                groups.back().node = node;
+            }
             nodes[i].group[side] = number;
         }
 }

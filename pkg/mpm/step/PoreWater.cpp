@@ -75,12 +75,14 @@ void PoreWater::finish() {
 template <int Dim> void PoreWater::checkSizes(const Scene<Dim>& scene, const Body<Dim>& body) {
     constexpr double most = 1.01; // over the cell
     if (!body.domains->mesh()) return;
-    for (int p = 0; p < body.particles.size(); ++p)
+    for (int p = 0; p < body.particles.size(); ++p) {
+        const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
         require(
             body.particles.initialVolume.plane()[p] <=
-                most * scene.grid.sizeAt(vectorAt<Dim>(body.particles.position, p)).prod(),
+                most * scene.grid.sizeAt(x).prod() * scene.grid.thicknessAt(x[0]),
             "PoreWater: domains of '", body.name,
             "' are larger than the cells around them; give particles=mpm.APDI(size=...) of at most a cell");
+    }
 }
 
 template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
@@ -103,6 +105,8 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
                 body->name, "' have water and are in different groups; give them one");
         state.field = body->velocityField;
+        require(!scene.grid.isAxisymmetric || !body->domains->mesh(), "PoreWater: '", body->name,
+                "' is a mesh with water in an axisymmetric scene; give it particles=mpm.UGIMP()");
     }
     if (!first) return;
     for (auto& body : scene.bodies)
@@ -337,7 +341,9 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                         0.5 * std::clamp(own.saturated / grid.volume(number), leastCover, 1.0) * edges[k];
                     Vec<Dim> surface = own.centre;
                     surface[k] += side ? way : -way;
-                    const double conductance = own.permeability * overWeight * area / way;
+                    const double thickness = grid.thicknessAt(0.5 * (surface[0] + own.centre[0]));
+                    const double conductance =
+                        own.permeability * overWeight * thickness * edges.prod() / edges[k] / way;
                     const bool isTable = own.dry > 0 || there.dry > 0; // and no surface of the soil
                     const double head = isTable ? own.head : water.head<Dim>(surface);
                     system.outlets.push_back({c, conductance, conductance * (head - own.head)});
@@ -372,12 +378,14 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const WaterTable water = tableAt(scene, scene.time);
     Vec<Dim> x = fill.centre;
     x[axis] = side ? grid.upper[axis] : grid.lower[axis];
-    const double area = edges.prod() / edges[axis] * grid.thicknessAt(x[0]);
-    if (const double* given = atFace(inflows, face)) system.outlets.push_back({c, 0, *given * area});
+    const double length = edges.prod() / edges[axis];
+    if (const double* given = atFace(inflows, face))
+        system.outlets.push_back({c, 0, *given * length * grid.thicknessAt(x[0])});
     const double* level = atFace(heads, face);
     const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
     if (!level && !isDrained) return;
     const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
+    const double area = length * grid.thicknessAt(0.5 * (x[0] + fill.centre[0]));
     const double conductance = fill.permeability / (density * standardGravity) * area / way;
     const double head = level ? water.weight * std::max(*level, x[Dim - 1]) : water.head<Dim>(x);
     system.outlets.push_back({c, conductance, conductance * (head - fill.head)});

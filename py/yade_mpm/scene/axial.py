@@ -6,7 +6,7 @@ import numpy as np
 from ..base.wording import shown
 
 # Engines that know plane strain and space alone.
-UNDONE = ("PoreWater", "RigidContact", "UniformAlong", "ViscousBoundary")
+UNDONE = ("RigidContact", "UniformAlong", "ViscousBoundary")
 ON_AXIS = 1e-9  # of the width of the grid: as near to the axis it begins there
 
 

@@ -249,3 +249,39 @@ def test_cuts_of_every_type_come_nearer_with_the_cell(kind):
     factors = [run("cut", "--types", kind, "--cell", cell)["factor"] for cell in ("0.5", "0.25")]
     errors = np.array(factors) / high - 1
     assert 0 < errors[1] < 0.6 * errors[0] and errors[1] < 0.06
+
+
+@pytest.mark.slow
+def test_a_slope_under_water_is_as_safe_as_one_of_its_buoyant_weight():
+    """And safer than a dry one: without water the factor is 1.34."""
+
+    def build(density, water=None):
+        clay = mpm.MohrCoulomb(
+            density=density, young=2e4, poisson=0.3, cohesion=4, frictionAngle=0.35, dilatancyAngle=0
+        )
+        scene = mpm.Scene((0, 0), (18, 6), cell=0.5, gravity=9.81)
+        scene.fix("bottom")
+        scene.roller("left", "right")
+        shape = mpm.polygon([(0, 0), (18, 0), (18, 1.5), (12, 1.5), (6, 5), (0, 5)])
+        scene.add("soil", shape, clay, mpm.UGIMP(), water=water)
+        return scene
+
+    wet = mpm.safety(lambda: build(2.0, mpm.PoreWater(table=6.5)), within=0.1, progress=False)
+    buoyant = mpm.safety(lambda: build(1.0), within=0.1, progress=False)
+    assert wet.factor == pytest.approx(buoyant.factor, abs=0.11)
+    assert wet.factor > 1.5
+
+
+def test_level_ground_with_water_stands():
+    def build():
+        clay = mpm.MohrCoulomb(
+            density=2.0, young=2e4, poisson=0.3, cohesion=4, frictionAngle=0.35, dilatancyAngle=0
+        )
+        scene = mpm.Scene((0, 0), (2, 2), cell=0.5, gravity=9.81)
+        scene.fix("bottom")
+        scene.roller("left", "right")
+        water = mpm.PoreWater(table=1.0, permeability=1e-8)
+        scene.add("soil", mpm.box((0, 0), (2, 1.5)), clay, mpm.UGIMP(), water=water)
+        return scene
+
+    assert not rules.trial(build, 2.0)[0].fails

@@ -24,7 +24,7 @@ def drainage(scene) -> tuple[float, str] | None:
     moved = max((_moved(scene, motion) for motion in (*solver.holds, *solver.drives)), default=0.0)
     if water is None or not moved:
         return None
-    least = min(_consolidation(scene, water), default=None)
+    least = min(consolidation(scene), default=None)
     if least is None:
         return None
     if least == 0:
@@ -52,8 +52,9 @@ def _extent(scene, motion):
     return (scene.lower, scene.upper) if isinstance(motion.where, str) else motion.where.bounds()
 
 
-def _consolidation(scene, water):
+def consolidation(scene):
     """Least c_v of each body with water, m2/s."""
+    water = next((e for e in scene.engines if isinstance(e, PoreWater)), None)
     stiffness = scene._core.presentStiffness()
     for body, (bulk, shear) in zip(scene.bodies, stiffness):
         if body._core.hasPores and (wet := body.saturation > 0).any():

@@ -20,6 +20,7 @@ import numpy as np
 
 from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
 from ..base.wording import shown
+from ..diagnostics.drainage import consolidation
 from ..engine.callback import PyRunner
 from ..geometry.numbers import isNumber
 from ..io.history import History
@@ -32,6 +33,7 @@ DAMPING = 0.3  # -, local, where the scene has less
 STILL = 0.02  # growth of the largest displacement in the last quarter of a trial that is none, -
 FALLEN = 0.05  # displacement over the height, beyond that of ground that stands, at which it has come down, -
 FALLEN_FIRST = 0.2  # the same in the first trial: with the settlement under its own weight
+DRAINED = 10.0  # c_v t/H2 of a trial, t = sqrt(height/gravity), -
 RAISE_EVERY = 10  # steps between two increments of gravity
 RAMP, HOLD = 1.0, 2.0  # times sqrt(height/gravity): gravity grows, and a trial lasts
 FARTHEST = 0.05, 20.0  # factors between which the search looks, -
@@ -111,9 +113,9 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
 
     Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
     their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3
-    at least. psi is never above phi. Raises TypeError where build() returns no scene, ValueError without
-    gravity or without a soil whose strength can be divided, RuntimeError where the ground stands or fails at
-    all factors.
+    at least. psi is never above phi. Water drains as in the long term. Raises TypeError where build() returns
+    no scene, ValueError without gravity or without a soil whose strength can be divided, RuntimeError where
+    the ground stands or fails at all factors.
 
     Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that
     do not come to rest).
@@ -146,6 +148,20 @@ def _ground(scene):
     """Bodies that yield, or all: a structure that moves alone is no failure of the ground."""
     bodies = [b for b in scene.bodies if b.count]
     return [b for b in bodies if b.material._core.yields] or bodies
+
+
+def _drain(scene, height, seconds):
+    """Lets water flow through the ground within a trial, at the ratios of permeability that soils have: its
+    pressure is then that of steady flow, as it is in the long term."""
+    wet = [body for body in scene.bodies if body._core.hasPores]
+    slowest = min(consolidation(scene), default=np.inf)
+    if wet and not slowest > 0:
+        raise ValueError(
+            f"safety: '{wet[0].name}' has water and a permeability of 0, so its weight would stay in the "
+            "water; give a permeability, or leave water out and give undrained strengths"
+        )
+    for body in wet:
+        body.permeability *= max(1.0, DRAINED * height**2 / (slowest * seconds))
 
 
 def _factors(between):
@@ -201,11 +217,6 @@ class _Search:
         built = self._build()
         if not isinstance(built, Scene):
             raise TypeError(f"safety: build() returns {type(built).__name__}; return the scene")
-        if wet := [body.name for body in built.bodies if body._core.hasPores]:
-            raise ValueError(
-                f"safety: '{wet[0]}' has pore water, and gravity that grows in seconds would load it "
-                "undrained; leave water out and give buoyant densities, or load the scene by hand"
-            )
         scene = self._copy(built)  # with materials of its own: those of build() keep their strength
         self._gravity = np.array(scene._gridSolver("safety").gravity, float)
         if not self._gravity.any():
@@ -214,6 +225,7 @@ class _Search:
         self.height = float(np.ptp(np.concatenate(ends)))
         self._time = np.sqrt(self.height / np.linalg.norm(self._gravity))
         divideStrength(scene, factor)
+        _drain(scene, self.height, self._time)
         hasStress = any(body.stress.any() for body in scene.bodies)
         return scene, 0.0 if hasStress else RAMP * self._time
 
@@ -234,6 +246,8 @@ class _Search:
         solver.damping = max(solver.damping, DAMPING)
         began = scene.time
         if ramp:
+            for body in (b for b in scene.bodies if b._core.hasPores):
+                body.porePressure = 0.0  # as without gravity
 
             def raiseGravity():
                 solver.gravity = self._gravity * min(1.0, (scene.time - began) / ramp)

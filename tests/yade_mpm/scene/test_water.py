@@ -125,6 +125,12 @@ def twoTables():
     body.scene.add("more", box((0, 0.5), (1, 0.75)), body.material, mpm.UGIMP(), water=more)
 
 
+def heavy():
+    body = made(of={"permeability": 0})()
+    body.scene.gravity = 9.81
+    return body.scene
+
+
 def twoGroups():
     body = made(of={"permeability": 0})()
     water = mpm.PoreWater(permeability=0)
@@ -139,9 +145,9 @@ def twoGroups():
         lambda: made(of={"heads": {"left": 1.0}})().scene.run(steps=1),
     ),
     ("larger than the cells", lambda: made(particles=mpm.APDI(size=0.5))().scene.run(steps=1)),
-    ("'sand' has pore water ... buoyant", lambda: mpm.safety(lambda: pressed(), progress=False)),
     ("drained has 'north' ... left, right", made(of={"drained": "north"})),
     ("inflows has '6' for 'left' ... flow in m/s", lambda: mpm.PoreWater(inflows={"left": "6"}), TypeError),
+    ("safety: 'soil' has water and a permeability of 0", lambda: mpm.safety(heavy, progress=False)),
     ("heads = 3", lambda: mpm.PoreWater(heads=3.0), TypeError),
     ("heads has '6' for 'left'", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
     ("permeability = -1", lambda: mpm.PoreWater(permeability=-1)),

@@ -203,7 +203,9 @@ def test_pip_installs_what_the_package_imports():
             )
             imported |= {name.split(".")[0] for name in names}
     text = (root / "pyproject.toml").read_text()
-    lists = [re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1] for name in ("dependencies", "study", "maps")]
+    lists = [
+        re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1] for name in ("dependencies", "study", "maps")
+    ]
     asked = set(re.findall(r'"([\w-]+)', " ".join(lists)))
     assert {"numpy", "h5py"} <= imported
     assert imported - set(sys.stdlib_module_names) - {"yade", "yade_mpm"} <= asked

@@ -563,6 +563,9 @@ class PoreWater(_PoreWater):
     table: float | Sequence[float]
     rise: float | Sequence[float]
     heads: float | Sequence[float]
+    drained: float | Sequence[float]
+    inflows: float | Sequence[float]
+    kozenyCarman: bool
     permeability: float
     porosity: float
     sealed: bool
@@ -576,9 +579,10 @@ class PoreWater(_PoreWater):
         table: float | Sequence[float] = None,
         rise: float | Sequence[float] = None,
         heads: float | Sequence[float] = None,
-        drained: Any = None,
-        inflows: Any = None,
+        drained: float | Sequence[float] = None,
+        inflows: float | Sequence[float] = None,
         *,
+        kozenyCarman: bool = False,
         permeability: float = 1e-07,
         porosity: float = 0.4,
         sealed: bool = False,

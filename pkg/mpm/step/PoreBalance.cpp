@@ -286,6 +286,15 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     state.system.findDiagonal();
 }
 
+// On the nodes of implicit bodies.
+template <int Dim>
+void PoreWater::findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting) {
+    for (const Mover& mover : state.movers)
+        if (mover.stiff >= 0)
+            state.impulses[mover.stiff] =
+                mover.part * scene.dt * state.system.force(state.system.nodes[mover.node], acting);
+}
+
 template void PoreWater::addCells(Scene<2>& scene, State<2>& state);
 template void PoreWater::addCells(Scene<3>& scene, State<3>& state);
 template void PoreWater::addActing(State<2>& state, const WetBody<2>& wet);
@@ -306,5 +315,9 @@ template void PoreWater::findMovers(const Scene<2>& scene, State<2>& state);
 template void PoreWater::findMovers(const Scene<3>& scene, State<3>& state);
 template void PoreWater::setSteps(Scene<2>& scene, State<2>& state);
 template void PoreWater::setSteps(Scene<3>& scene, State<3>& state);
+template void PoreWater::findImpulses(const Scene<2>& scene, State<2>& state,
+                                      const std::vector<double>& acting);
+template void PoreWater::findImpulses(const Scene<3>& scene, State<3>& state,
+                                      const std::vector<double>& acting);
 
 } // namespace mpm

@@ -171,15 +171,6 @@ template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& s
     system.findActing(state.change, state.acting);
 }
 
-// On the nodes of implicit bodies.
-template <int Dim>
-void PoreWater::findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting) {
-    for (const Mover& mover : state.movers)
-        if (mover.stiff >= 0)
-            state.impulses[mover.stiff] =
-                mover.part * scene.dt * state.system.force(state.system.nodes[mover.node], acting);
-}
-
 template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
     int needed = 0;
     parallel(scene.threads, [&](ParallelRegion& region) {

@@ -1,23 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Axial symmetry: x is the distance from the axis, and rings strain by v_r/r round it.
 
-Closed forms: volume of a ring, a uniform strain, Lame's thick cylinder, the rotating cylinder, the weight of
-the soil above, the lowest period of a sphere (Love 1944, art. 196). Each has a control in plane strain.
+Mass, motion and forces of rings, rest under weight, pictures, steps, and what is refused.
+test_axial_solutions.py has the closed forms.
 """
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from scipy.optimize import brentq
+from ringScenes import DENSITY, TYPES, both, elastic
 from setups import restarted, withAnyThreads
-
-DENSITY, YOUNG, POISSON = 2.0, 1e3, 0.25
-TYPES = {"UGIMP": lambda h: mpm.UGIMP(perCell=2), "APDI": lambda h: mpm.APDI(size=h)}
-both = pytest.mark.parametrize("kind", TYPES)
-
-
-def elastic():
-    return mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
 
 
 def block(kind, upper=(1.0, 1.0), lower=(0.0, 0.0), cell=0.1, isRound=True, **options):
@@ -114,61 +106,14 @@ def test_a_uniform_stress_is_in_equilibrium_on_any_graded_grid(kind, verified):
         assert isInner.sum() > 40 and np.abs(f).max() > 10  # round the body they are not zero
 
 
-# --- closed forms ----------------------------------------------------------------------------------------
-def settled(scene, time):
-    scene.damping = 0.5
-    scene.run(until=time, progress=False)
-
-
-def ofCells(r, values, isIn, cell=0.1):
-    """Means of the cells: within one, stress swings as in plane strain."""
-    number = np.floor(r / cell).astype(int)
-    return np.array([values[isIn & (number == k)].mean() for k in np.unique(number[isIn])])
-
-
-@both
-@pytest.mark.verifies("Axial symmetry: rotating cylinder, stress", reference="closed form", tolerance=0.01)
-def test_a_rotating_cylinder_has_its_stress(kind, verified):
-    """Plane strain along the axis; omega^2 = 1/s2, R = 1 m: sigma_r = (3 - 2 nu)/(8 (1 - nu)) rho (1 - r^2),
-    sigma_theta the same less 2 (1 - 2 nu)/(8 (1 - nu)) rho r^2 ... with the factor (1 + 2 nu) for r^2."""
-    scene = mpm.Scene((0, 0), (1.5, 0.2), cell=0.1, axisymmetric=True, threads=1)
-    scene.roller("bottom", "top")
-    body = scene.add("disc", mpm.box((0, 0), (1.0, 0.2)), elastic(), TYPES[kind](0.1))
-    body.bodyForce[:, 0] = body.position[:, 0]
-    settled(scene, 1.0)
-    r = body.position[:, 0]
-    factor = DENSITY / (8 * (1 - POISSON))
-    radial = factor * (3 - 2 * POISSON) * (1 - r**2)
-    hoop = factor * ((3 - 2 * POISSON) - (1 + 2 * POISSON) * r**2)
-    inner = r < 0.8
-    scale = factor * (3 - 2 * POISSON)
-    verified(ofCells(r, body.stress[:, 0, 0] - radial, inner), 0, scale=scale)
-    verified(ofCells(r, body.stress[:, 2, 2] - hoop, inner), 0, scale=scale)
-
-
-@pytest.mark.verifies(
-    "Axial symmetry: thick cylinder under pressure, stress", reference="Lame", tolerance=0.005
-)
-def test_a_thick_cylinder_is_lames(verified):
-    a, b, p = 0.5, 1.5, 1.0
-    scene = mpm.Scene((0, 0), (2.0, 0.1), cell=0.05, axisymmetric=True, threads=1)
-    scene.roller("bottom", "top")
-    body = scene.add("ring", mpm.box((a, 0), (b, 0.1)), elastic(), mpm.APDI(size=0.025))
-    scene.load(body, mpm.box((a - 0.01, -1), (a + 0.01, 1)), pressure=p)
-    settled(scene, 1.0)
-    r = body.position[:, 0]
-    c = p * a**2 / (b**2 - a**2)
-    inner = (r > a + 0.1) & (r < b - 0.1)
-    verified(ofCells(r, body.stress[:, 0, 0] - c * (1 - b**2 / r**2), inner, 0.05), 0, scale=p)
-    verified(ofCells(r, body.stress[:, 2, 2] - c * (1 + b**2 / r**2), inner, 0.05), 0, scale=p)
-
-
+# --- at rest ---------------------------------------------------------------------------------------------
 @both
 @pytest.mark.verifies("Axial symmetry: weight of a cylinder on its base", reference="exact", tolerance=1e-3)
 def test_the_base_resists_with_the_weight(kind, verified):
     scene, body = block(kind, gravity=10.0)
     scene.roller("bottom", "right")
-    settled(scene, 2.0)
+    scene.damping = 0.5
+    scene.run(until=2.0, progress=False)
     base = next(c for c in scene.constraints if c.name == "bottom")
     verified(base.reaction[1], 10 * body.mass.sum())
     assert abs(body.stress[:, 0, 0] - body.stress[:, 2, 2]).max() < 0.02 * 10 * DENSITY
@@ -199,158 +144,6 @@ def test_ground_of_boxes_is_at_rest_from_the_first_step(perCell, verified):
     assert firstAcceleration(perCell, stressed=0.5) > 0.2  # control: half of the stress
 
 
-def test_control_plane_strain_has_another_stress():
-    """The rotating cylinder in plane strain between a wall and a free side: sigma = rho (1 - x^2)/2."""
-    scene = mpm.Scene((0, 0), (1.5, 0.2), cell=0.1, threads=1)
-    scene.roller("bottom", "top", "left")
-    body = scene.add("disc", mpm.box((0, 0), (1.0, 0.2)), elastic(), mpm.UGIMP(perCell=2))
-    body.bodyForce[:, 0] = body.position[:, 0]
-    settled(scene, 1.0)
-    x = body.position[:, 0]
-    inner = x < 0.8
-    assert body.stress[inner, 0, 0] == pytest.approx(DENSITY * (1 - x[inner] ** 2) / 2, abs=0.02 * DENSITY)
-
-
-def breathing(implicit, isRound=True):
-    """Mean displacement of a ring, m, at ten times of nearly a period, from a velocity of 0.01/r."""
-    scene = mpm.Scene((0, 0), (2.0, 0.1), cell=0.05, axisymmetric=isRound, threads=1)
-    scene.roller("bottom", "top")
-    body = scene.add("ring", mpm.box((0.5, 0), (1.5, 0.1)), elastic(), mpm.APDI(size=0.05), implicit=implicit)
-    scene.dt = 5e-5
-    body.velocity[:, 0] = 0.01 / body.position[:, 0]
-    found = []
-    for time in 0.02 * np.arange(1, 11):
-        scene.run(until=time, progress=False)
-        found.append(body.mass @ body.displacement[:, 0] / body.mass.sum())
-    return np.array(found)
-
-
-@pytest.mark.verifies("Axial symmetry: implicit ring that breathes", reference="explicit", tolerance=0.01)
-def test_an_implicit_ring_breathes_as_an_explicit_one(verified):
-    """Only the stress round the axis holds it: in plane strain it drifts away."""
-    explicit = breathing(False)
-    assert explicit.min() < -0.9 * explicit.max()
-    verified(breathing(True), explicit, scale=explicit.max())
-    drifting = breathing(True, isRound=False)
-    assert drifting == pytest.approx(drifting[0] * np.arange(1, 11), rel=1e-6)
-
-
-def breathingSphere(kind, poisson=POISSON):
-    """Period of a sphere of one metre in its lowest radial mode, over that of Love at POISSON."""
-    lame, shear = YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON), YOUNG / 2 / (1 + POISSON)
-    fast = (lame + 2 * shear) / (4 * shear)
-    k = brentq(lambda x: x / np.tan(x) - 1 + fast * x * x, 1.5, 3.1)
-    period = 2 * np.pi / k / np.sqrt((lame + 2 * shear) / DENSITY)
-    h = {"UGIMP": 0.05, "APDI": 0.025}[kind]
-    scene = mpm.Scene((0, 0), (1.2, 1.2), cell=h, axisymmetric=True, threads=1)
-    scene.roller("bottom")
-    half = mpm.disc((0, 0), 1.0) & mpm.box((0, 0), (1.2, 1.2))
-    material = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=poisson)
-    body = scene.add("sphere", half, material, TYPES[kind](h))
-
-    def mode():
-        r = np.linalg.norm(body.position, axis=1)[:, None]
-        return (np.sin(k * r) / (k * r) - np.cos(k * r)) / (k * r) * body.position / r
-
-    body.velocity = 1e-3 * mode()
-    times, swings = [], []
-    for time in period / 40 * np.arange(1, 121):
-        scene.run(until=time, progress=False)
-        times.append(scene.time)
-        swings.append((body.mass[:, None] * mode() * body.velocity).sum())
-    t, q = np.array(times), np.array(swings)
-    turns = np.flatnonzero(q[1:] * q[:-1] < 0)
-    zeros = t[turns] - q[turns] * (t[turns + 1] - t[turns]) / (q[turns + 1] - q[turns])
-    return 2 * np.polyfit(np.arange(len(zeros)), zeros, 1)[0] / period
-
-
-@both
-@pytest.mark.verifies("Axial symmetry: period of a breathing sphere", reference="Love", tolerance=0.005)
-def test_a_sphere_breathes_with_its_period(kind, verified):
-    verified(breathingSphere(kind), 1)
-    assert breathingSphere(kind, poisson=0.2) > 1.01  # control: another material
-
-
-# --- soil ------------------------------------------------------------------------------------------------
-@pytest.mark.filterwarnings("ignore:.*they lock")
-@pytest.mark.parametrize(
-    "kind, fbar, tolerance", [("UGIMP", False, 1e-5), ("UGIMP", True, 0.03), ("APDI", True, 1e-4)]
-)
-def test_far_from_the_axis_it_is_plane_strain(kind, fbar, tolerance):
-    """Soil that yields and flows, 1e5 m away. F-bar gives a change of volume to three axes, not to two: boxes
-    at the foot move otherwise by 2 %, in the mean by 0.2 %."""
-    moved = []
-    for isRound in (True, False):
-        left = 1e5 if isRound else 0.0
-        scene = mpm.Scene((left, 0), (left + 3, 2), cell=0.125, gravity=10.0, axisymmetric=isRound, threads=1)
-        scene.fix("bottom")
-        scene.roller("left")
-        clay = mpm.Tresca(density=1.8, young=400.0, poisson=0.45, undrainedStrength=3.0)
-        soil = scene.add("soil", mpm.box((left, 0), (left + 1, 1)), clay, TYPES[kind](0.125), fbar=fbar)
-        scene.dt = 1e-3
-        scene.run(until=0.3, progress=False)
-        moved.append(soil.byId("displacement"))
-    assert np.abs(moved[1]).max() > 0.1
-    assert moved[0] == pytest.approx(moved[1], abs=tolerance * np.abs(moved[1]).max())
-
-
-def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49):
-    """Load of a circular footing of one metre over its area and the strength, late in the run."""
-    h = 1 / (cells + 0.5)  # what holds nodes presses half a cell beyond the last one
-    wide, deep = np.ceil(4 / h) * h, np.ceil(3 / h) * h
-    scene = mpm.Scene((0, 0), (wide, deep + 4 * h), h, axisymmetric=True, threads=1, damping=0.5)
-    clay = mpm.Tresca(
-        density=2.0, lame=(2 * shear * poisson / (1 - 2 * poisson), shear), undrainedStrength=su
-    )
-    scene.add("soil", mpm.box((0, 0), (wide, deep)), clay, mpm.APDI(size=h))
-    scene.roller("right")
-    scene.fix("bottom")
-    nodes = mpm.box((-3 * h, deep - 0.1 * h), ((cells + 0.1) * h, deep + 3 * h))
-    across = 0.0 if isRough else None
-    press = scene.drive(nodes, velocity=(across, -0.02), ramp=0.1, name="footing")
-    scene.run(until=0.85, progress=False)
-    before = press.impulse[1]
-    scene.run(until=1.05, progress=False)
-    return (before - press.impulse[1]) / 0.2 / np.pi / su
-
-
-@pytest.mark.parametrize("isRough, exact", [(True, 6.05), (False, 5.69)])
-@pytest.mark.filterwarnings("ignore:.*is a mesh and flows")
-@pytest.mark.verifies("Circular footing on clay, 7 cells: load", reference="Cox et al. 1961", tolerance=0.03)
-def test_a_circular_footing_has_its_limit_load(isRough, exact, verified):
-    verified(footing(isRough), exact)
-
-
-@pytest.mark.verifies("Axial symmetry: adhesion on a shaft", reference="2 pi R L a", tolerance=0.05)
-def test_adhesion_acts_on_the_whole_shaft(verified):
-    scene = mpm.Scene((0, 0), (1.5, 2), cell=0.1, axisymmetric=True, threads=1, damping=0.3)
-    scene.fix("bottom", "right")
-    soil = scene.add("soil", mpm.box((0.5, 0), (1.5, 1)), elastic(), mpm.APDI(size=0.1))
-    soil.stress = np.broadcast_to(np.diag([-5.0, 0, 0]), (soil.count, 3, 3))  # it stays in contact
-    pile = scene.add("pile", mpm.box((0, 0.2), (0.5, 1.8)), elastic(), mpm.APDI(size=0.1), implicit=False)
-    scene.contact(pile, soil, friction=0.0, adhesion=1.0)
-    press = scene.drive(pile, velocity=(0, 0.05), ramp=0.2)
-    scene.run(until=0.3, progress=False)
-    before = press.impulse[1]
-    scene.run(until=0.6, progress=False)
-    length = 0.8 - 0.05 * (0.45 - 0.1)  # m, in the middle of that time
-    verified((press.impulse[1] - before) / 0.3, 1.0 * np.pi * length)
-
-
-@pytest.mark.verifies("Axial symmetry: contact force under a weight", reference="weight", tolerance=0.01)
-def test_contact_resists_with_the_weight(verified):
-    scene = mpm.Scene((0, 0), (1.5, 2), cell=0.1, axisymmetric=True, threads=1, damping=0.5, gravity=10.0)
-    scene.fix("bottom")
-    scene.roller("right")
-    soil = scene.add("soil", mpm.box((0, 0), (1.5, 0.5)), elastic(), mpm.UGIMP(perCell=2))
-    disc = scene.add("disc", mpm.box((0, 0.5), (0.6, 0.8)), elastic(), mpm.APDI(size=0.1), implicit=False)
-    scene.contact(disc, soil, friction=0.3)
-    scene.run(until=2.0, progress=False)
-    contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
-    (force,) = contact.forces().values()
-    verified(abs(force[1]), 10 * disc.mass.sum())
-
-
 def test_halves_of_a_box_keep_volume_and_mass():
     """Boxes at the axis and beside it are drawn out along r and cut."""
     scene = mpm.Scene((0, 0), (3, 1), cell=0.1, axisymmetric=True, threads=1)
@@ -364,6 +157,7 @@ def test_halves_of_a_box_keep_volume_and_mass():
     assert body.mass.min() > 0 and body.position[:, 0].min() > 0
 
 
+# --- pictures --------------------------------------------------------------------------------------------
 def test_pictures_are_mirrored():
     scene, body = block("UGIMP", lower=(0.2, 0.2))
     drawn = scene.plot("position", "x").collections[0]

@@ -21,7 +21,8 @@ class Terrain:
     Attributes
     ----------
     heights : (columns, rows), m, along x and y; of a 2D scene (columns,).
-    spacing, origin : (1,) or (2,), m: between two heights, and x, y of the first one.
+    spacing : (1,) or (2,), m, between two heights.
+    origin : (1,) or (2,), m, x and y of the first height.
     reference : coordinate system as text, of a GeoTIFF; None: none is known.
     """
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Axial symmetry against closed forms: cylinders, spheres, footings and shafts.
 
-Lame's thick cylinder, the rotating cylinder, the lowest period of a sphere (Love 1944, art. 196), the limit load
-of a circular footing. Controls are in plane strain.
+Lame's thick cylinder, the rotating cylinder, the lowest period of a sphere (Love 1944, art. 196), the limit
+load of a circular footing. Controls are in plane strain.
 """
 
 import numpy as np

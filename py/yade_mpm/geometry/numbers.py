@@ -29,13 +29,14 @@ MOST_OF_RANGE = 10**6  # numbers; as an array, range(10**9) would fill memory
 
 
 def floats(value):
-    """A value as a new array of floats; TypeError for text, dates and complex numbers, which NumPy would turn
-    into some, and for a long range."""
+    """A value as a new array of floats, nan where a masked array has a gap; TypeError for text, dates and
+    complex numbers, which NumPy would turn into some, and for a long range."""
     refuseLongRange(value)
     array = np.asarray(value)
     if not (array.dtype.kind in "biuf" or array.dtype.kind == "O" and all(map(_isReal, array.flat))):
         raise TypeError("it is not made of real numbers")
-    return array.astype(float)
+    array = array.astype(float)
+    return np.where(np.ma.getmaskarray(value), np.nan, array) if np.ma.isMaskedArray(value) else array
 
 
 def refuseLongRange(value):

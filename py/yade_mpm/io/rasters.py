@@ -86,13 +86,13 @@ def writeRaster(file: str | os.PathLike, terrain: Terrain, values: ArrayLike) ->
             f"{terrain.heights.shape}"
         )
     rows = np.where(np.isfinite(values), values, NODATA).T[::-1]  # from north to south
-    west, south = terrain.origin - terrain.spacing / 2
+    west, south = (terrain.origin - terrain.spacing / 2).tolist()
     kind = os.path.splitext(os.fspath(file))[1].lower()
     if kind == ".asc":
         if terrain.spacing[0] != terrain.spacing[1]:
             raise ValueError("writeRaster: an ASCII grid has one spacing; write a .tif")
         head = f"ncols {rows.shape[1]}\nnrows {rows.shape[0]}\nxllcorner {west!r}\nyllcorner {south!r}\n"
-        head += f"cellsize {terrain.spacing[0]!r}\nNODATA_value {NODATA:g}"
+        head += f"cellsize {float(terrain.spacing[0])!r}\nNODATA_value {NODATA:g}"
         np.savetxt(file, rows, fmt="%.8g", header=head, comments="")
     elif kind in (".tif", ".tiff"):
         rasterio = _rasterio("writeRaster")

@@ -233,6 +233,8 @@ def test_terrain_refuses_what_it_cannot_be():
         mpm.heightField(flat, -1)
     with pytest.raises(ValueError, match="1 of 45 heights are not finite; fill the gaps"):
         mpm.heightField(np.where(np.arange(45).reshape(9, 5) == 7, np.nan, 0), 1.0)
+    with pytest.raises(ValueError, match="1 of 45 heights are not finite; fill the gaps"):
+        mpm.heightField(np.ma.masked_equal(np.arange(45).reshape(9, 5), 7), 1.0)  # as rasterio reads gaps
     with pytest.raises(ValueError, match=r"depth has the shape \(4, 4\); give one number or the shape"):
         mpm.heightField(flat, 1.0).layer(np.ones((4, 4)))
     contact = mpm.RigidContact()

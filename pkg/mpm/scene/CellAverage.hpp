@@ -10,7 +10,7 @@
 // operator is symmetric only if both have the same.
 #pragma once
 
-#include "mpm/particle/apdi/APDIShape.hpp"
+#include "mpm/particle/apdi/RingShape.hpp"
 #include "mpm/scene/Holes.hpp"
 #include "mpm/scene/ParticleCells.hpp"
 #include "mpm/state/cover.hpp"

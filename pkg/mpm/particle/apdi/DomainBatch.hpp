@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mpm/base/simd/forEachSimd.hpp"
-#include "mpm/particle/apdi/APDIShape.hpp"
+#include "mpm/particle/apdi/RingShape.hpp"
 #include "mpm/state/Field.hpp"
 
 namespace mpm {

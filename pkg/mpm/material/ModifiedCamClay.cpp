@@ -30,7 +30,7 @@ struct Swelling {
         const double least = std::clamp(p, 0.0, smallest);
         return c * (0.5 * least * least / smallest + std::max(p - smallest, 0.0));
     }
-    double stiffness(double p) const { return std::max(p, smallest) / c; } // dp/de
+    double stiffness(double p) const { return p > 0 ? std::max(p, smallest) / c : 0; } // dp/de
 };
 
 // From a trial state beyond yield back to the surface, pressures positive in compression. Unknown are the multiplier
@@ -126,15 +126,17 @@ class Returns {
             errors[i] = error;
         }
     }
-    // Whether the solution was found; `one` takes it.
+    // Whether the solution was found, and not another root; `one` takes it.
     bool give(int i, Return& one) const {
+        const double least = one.swelling.smallest, shrink = planes_[8][i];
         const double x = planes_[5][i], p = one.pTrial * planes_[6][i];
         const bool isSmall = std::abs(x) * std::max(planes_[2][i], planes_[3][i]) <= exponentialLimit;
-        if (!(planes_[9][i] <= 1e-9 && isSmall && p > one.swelling.smallest)) return false;
+        const bool isFlow = shrink > 0 && shrink <= 1; // along the deviator, not against it
+        if (!(planes_[9][i] <= 1e-9 && isSmall && isFlow && std::min(p, one.pTrial) > least)) return false;
         one.x = x;
         one.p = p;
         one.pc = one.pTrial * planes_[7][i];
-        one.shrink = planes_[8][i];
+        one.shrink = shrink;
         return true;
     }
 

@@ -14,7 +14,7 @@ namespace {
 // is the plastic shear strain g of the step:
 //     q = q_trial - 3 mu g,  p of the elastic strain e - g M u,  ln(pi/pi_0) = h g e^u (limit e^u - 1)
 // with the dilatancy M u and the hardening towards pi/p = limit. SandReturns does the usual ones side by side, solve() the
-// others: for a g, u is found by Newton's method.
+// others: for a g, u is found by Newton's method within a bracket.
 struct SandReturn {
     PressureStiffness elastic;
     double e, qTrial, pi0, mu, M, h, limit;
@@ -28,16 +28,18 @@ struct SandReturn {
     // q less what is borne, kPa; falls with g.
     double excess(double multiplier) {
         g = multiplier;
-        for (int n = 0; n < 40; ++n) {
+        double low = -std::numeric_limits<double>::infinity(), high = -low;
+        for (int n = 0; n < 60; ++n) {
             const double pressure = std::max(elastic.pressure(e - g * M * u), least()), grown = std::exp(u);
+            const double stiffness = pressure > least() ? elastic.stiffness(pressure) : 0;
             const double left =
                 std::log(pi0 / pressure) + u + h * g * grown * (limit * grown - 1); // rises with u
-            const double slope =
-                1 + h * g * grown * (2 * limit * grown - 1) + g * M * elastic.stiffness(pressure) / pressure;
+            const double slope = 1 + h * g * grown * (2 * limit * grown - 1) + g * M * stiffness / pressure;
             const double step = std::clamp(left / std::max(slope, 0.2), -0.5, 0.5);
+            (left > 0 ? high : low) = u;
             u -= step;
-            p = pressure;
             if (std::abs(step) <= 1e-14) break;
+            if (!(u > low && u < high)) u = 0.5 * (low + high);
         }
         p = std::max(elastic.pressure(e - g * M * u), least());
         return q() - M * p * (1 - u);
@@ -119,7 +121,7 @@ class SandReturns {
         const bool isSmall = std::abs(u - planes_[5][i]) <= exponentialLimit &&
                              std::abs(std::log(planes_[11][i])) <= exponentialLimit;
         if (!(planes_[12][i] <= 1e-9 && isSmall && g >= 0 && 3 * one.mu * g <= one.qTrial &&
-              p > one.elastic.smallest))
+              std::min(p, one.pTrial) > one.elastic.smallest))
             return false;
         one.g = g;
         one.u = u;

@@ -142,15 +142,6 @@ def testARandomFieldIsCheckedWhenItIsMade(mean, deviation, lengths):
         mpm.RandomField(mean, deviation, lengths, seed=1)
 
 
-def shearStiffness(material, strength):
-    """Of a particle with this strength, kPa."""
-    point = mpm.MaterialPoint(material)
-    point.body.undrainedStrength = strength
-    small = np.zeros((3, 3))
-    small[0, 1] = small[1, 0] = 1e-6
-    return point.strain(small)[0, 1] / 2e-6
-
-
 def testRigidityFollowsTheStrengthOfEachParticle():
     """G = rigidity su; the particles are those of clay with that young and poisson, to round-off."""
     given = dict(density=1.7, poisson=0.45, undrainedStrength=lambda x: np.full(len(x), 8.0))

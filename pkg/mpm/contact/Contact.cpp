@@ -18,10 +18,10 @@ namespace mpm {
 namespace {
 
 // Zero where a constraint holds it.
-template <int Dim> Vec<Dim> inverseMass(const NodalField<Dim>& field, int node) {
-    Vec<Dim> W = Vec<Dim>::Zero();
+template <int Dim> Mat<Dim> inverseMass(const NodalField<Dim>& field, int node) {
+    Mat<Dim> W = Mat<Dim>::Zero();
     for (int k = 0; k < Dim; ++k)
-        if (field.holder[node][k] < 0) W[k] = 1 / field.sum[node][NodalField<Dim>::mass];
+        if (field.holder[node][k] < 0) W(k, k) = 1 / field.sum[node][NodalField<Dim>::mass];
     return W;
 }
 
@@ -167,7 +167,7 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
     straighten(scene, state.search);
-    state.impulses.place(state.search);
+    state.impulses.nodes.assign(state.search.nodes.size(), {});
     if (scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
     return state;
 }
@@ -176,7 +176,7 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
 // the node. answer: its inverse masses, with the sign of the impulse on it.
 template <int Dim>
 void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
-                     const Vec<Dim>& answer, const Impulses<Dim>& J) {
+                     const Mat<Dim>& answer, const Impulses<Dim>& J) {
     using NF = NodalField<Dim>;
     NF& field = scene.grid.fields[contact.field[side]];
     auto& motion = field.motion[contact.node];
@@ -186,7 +186,7 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     const Vec<Dim> force = sign / scene.dt * (flip_ * contact.impulse[side] + (1 - flip_) * J.all);
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
-        const double change = answer[k] * J.all[k], taken = answer[k] * contact.impulse[side][k];
+        const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse[side]);
         gained += gravity[k] * (change - 0.5 * taken);
         motion.set(Dim + k, motion[Dim + k] + taken / scene.dt);
         motion.set(k, motion[k] + change);
@@ -238,38 +238,47 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     flip_ = flipOf(scene);
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
-    ContactImpulses<Dim>& impulses = state.impulses;
-    for (GroupMotion<Dim>& group : impulses.groups) {
-        const NF& field = scene.grid.fields[group.field];
-        const Vec<Dim> W = group.inverseMass = group.startInverseMass = inverseMass(field, group.node);
-        for (int k = 0; k < Dim; ++k) {
-            const double v = group.free[k] = field.motion[group.node][k];
-            group.first[k] = W[k] > 0 ? W[k] * field.sum[group.node][NF::momentum + k] : v;
-        }
-        group.v = group.free;
-        group.start = group.first;
-    }
-    impulses.implicit.find(scene, impulses.groups);
+    auto& nodes = state.impulses.nodes;
+    state.own.assign(search.nodes.size(), {});
+    state.starts.clear();
     const bool mayBeThree = search.pairs.size() > 1; // groups on a node
-    unsettled = !impulses.solve(search, scene.dt, [&](const ContactPair<Dim>& pair, const ContactSite<Dim>&) {
-        FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
-        law.mayBeThree = mayBeThree;
-        return law;
-    });
-    bool isReduced;
-    gridLoss = impulses.limitEnergy(isReduced);
-    reduced = isReduced;
-    state.isImplicit.clear();
-    for (const GroupMotion<Dim>& group : impulses.groups) {
-        state.isImplicit.push_back(group.responding >= 0);
-        scene.energies.contact += group.lostByStart(loss());
-    }
     for (const ContactPair<Dim>& pair : search.pairs) {
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int node = search.nodes[i].node;
+                const NF& field = scene.grid.fields[search.nodes[i].field[side]];
+                const Mat<Dim> W = inverseMass(field, node);
+                nodes[i].inverseMass[side] = nodes[i].startInverseMass[side] = W;
+                for (int k = 0; k < Dim; ++k) {
+                    const double v = nodes[i].v[side][k] = field.motion[node][k];
+                    nodes[i].start[side][k] = W(k, k) > 0 ? W(k, k) * field.sum[node][NF::momentum + k] : v;
+                }
+                nodes[i].first[side] = nodes[i].start[side];
+                if (!mayBeThree) continue;
+                const auto started = state.starts.find({search.nodes[i].field[side], node});
+                if (started != state.starts.end()) nodes[i].start[side] = started->second;
+            }
+        state.impulses.implicit.find(scene, search, pair, nodes);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side)
+                if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
+                    state.own[i].answer[side] = nodes[i].inverseMass[side];
+        const int* groups = search.nodes[pair.firstNode].field;
+        FrictionLaw law = lawOf(groups[0], groups[1]);
+        law.mayBeThree = mayBeThree;
+        unsettled +=
+            !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
+        bool isReduced;
+        gridLoss += state.impulses.limitEnergy(search, pair, isReduced);
+        reduced += isReduced;
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-            exchange(scene, gravity, search.nodes[i], impulses, impulses.nodes[i]);
+            exchange(scene, gravity, search.nodes[i], nodes[i]);
+        for (size_t i = pair.firstNode; i < pair.endNode && mayBeThree; ++i)
+            for (int side = 0; side < 2; ++side)
+                state.starts[{search.nodes[i].field[side], search.nodes[i].node}] = nodes[i].start[side];
+        state.impulses.implicit.give(scene, nodes, 1 - loss());
     }
-    impulses.implicit.give(scene, impulses.groups, 1 - loss());
     for (const ContactPair<Dim>& pair : search.pairs)
         for (int side = 0; side < 2; ++side)
             if (pair.hasEdges[side])
@@ -291,51 +300,57 @@ template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Di
 // Gives the groups on a node what they have exchanged.
 template <int Dim>
 void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
-                       const ContactImpulses<Dim>& impulses, const NodeMotion<Dim>& node) {
+                       const NodeMotion<Dim>& node) {
     if (node.J[0].all.isZero(0) && node.J[1].all.isZero(0)) return;
     const double loss = this->loss();
     contact.acts = true;
     for (int side = 0; side < 2; ++side) {
-        const GroupMotion<Dim>& group = impulses.groups[node.group[side]];
         contact.impulse[side] = node.J[side].all - (1 - loss) * node.J[side].agreeing;
-        const bool isMovedLater = group.responding >= 0; // with all impulses on the body
+        const bool isMovedLater = node.responding[side] >= 0; // with all impulses on the body
         const double sign = isMovedLater ? 0 : side == 0 ? -1 : 1;
-        change<Dim>(scene, gravity, contact, side, sign * group.inverseMass, node.J[side]);
+        change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J[side]);
     }
-    if (!scene.scheme->remapsSolution())
-        record<Dim>(scene, contact, impulses.velocityOf(node, 0), impulses.velocityOf(node, 1));
+    scene.energies.contact += node.lostByStart(loss);
+    if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node);
 }
 
 // The same for velocities that have been made anew from the momentum of the particles. An implicit body is strained
 // by the velocity of the solution: here the others only come to it.
 template <int Dim> void Contact::tie(Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
-    ContactImpulses<Dim>& impulses = state.impulses;
-    impulses.implicit.clear();
-    state.isImplicit.resize(impulses.groups.size()); // USF comes here first, and has no implicit bodies
-    for (size_t i = 0; i < impulses.groups.size(); ++i) {
-        GroupMotion<Dim>& group = impulses.groups[i];
-        const auto& field = scene.grid.fields[group.field];
-        const bool isImplicit = state.isImplicit[i];
-        group.inverseMass = group.startInverseMass =
-            isImplicit ? Vec<Dim>(Vec<Dim>::Zero()) : inverseMass(field, group.node);
-        for (int k = 0; k < Dim; ++k)
-            group.free[k] = isImplicit ? field.motion[group.node][k] : field.velocityOf(group.node, k);
-        group.v = group.start = group.first = group.free;
+    auto& nodes = state.impulses.nodes;
+    state.impulses.implicit.clear();
+    state.own.resize(search.nodes.size()); // USF comes here first, and has no implicit bodies
+    for (const ContactPair<Dim>& pair : search.pairs) {
+        for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) startAnew(search.points[i]);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
+            startAnew(search.nodes[i]);
+            const int node = search.nodes[i].node;
+            for (int side = 0; side < 2; ++side) {
+                const NF& field = scene.grid.fields[search.nodes[i].field[side]];
+                const auto& own = state.own[i];
+                nodes[i].startInverseMass[side] = inverseMass(field, node);
+                nodes[i].inverseMass[side] =
+                    own.is[side] ? own.answer[side] : nodes[i].startInverseMass[side];
+                for (int k = 0; k < Dim; ++k)
+                    nodes[i].v[side][k] = own.is[side] ? field.motion[node][k] : field.velocityOf(node, k);
+                nodes[i].start[side] = nodes[i].v[side];
+            }
+        }
+        state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>& site) {
+            return FrictionLaw{0, 0, slip && !site.sticks, separation, impactLoss};
+        });
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
+            const ContactNode<Dim>& contact = search.nodes[i];
+            for (int side = 0; side < 2; ++side)
+                for (int k = 0; k < Dim; ++k)
+                    scene.grid.fields[contact.field[side]].setVelocity(contact.node, k, nodes[i].v[side][k]);
+            if (scene.scheme->remapsSolution() && contact.acts) record<Dim>(scene, contact, nodes[i]);
+        }
     }
-    for (auto& node : search.nodes) startAnew(node);
-    for (auto& point : search.points) startAnew(point);
-    impulses.solve(search, scene.dt, [&](const ContactPair<Dim>&, const ContactSite<Dim>& site) {
-        return FrictionLaw{0, 0, slip && !site.sticks, separation, impactLoss};
-    });
-    for (const GroupMotion<Dim>& group : impulses.groups)
-        for (int k = 0; k < Dim; ++k) scene.grid.fields[group.field].setVelocity(group.node, k, group.v[k]);
-    if (!scene.scheme->remapsSolution()) return;
-    for (size_t i = 0; i < search.nodes.size(); ++i)
-        if (const auto& node = impulses.nodes[i]; search.nodes[i].acts)
-            record<Dim>(scene, search.nodes[i], impulses.velocityOf(node, 0), impulses.velocityOf(node, 1));
-    recordShared(scene);
+    if (scene.scheme->remapsSolution()) recordShared(scene);
 }
 
 MPM_REGISTER(Engine, Contact);

@@ -61,7 +61,14 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         ContactImpulses<Dim> impulses;
         CarriedForces<Dim> carried;
         FacetImpulses<Dim> facets;
-        std::vector<bool> isImplicit; // for each group on a node, whether an implicit body moves it
+        // What implicit bodies answer on their own side of each contact node, for velocities made anew.
+        struct Own {
+            bool is[2] = {false, false};
+            Mat<Dim> answer[2];
+        };
+        std::vector<Own> own;
+        // Of a group on a node, by their numbers: the velocity of the start as the pairs so far have left it.
+        std::map<std::pair<int, int>, Vec<Dim>> starts;
     };
     std::tuple<State<2>, State<3>> states_;
     double flip_ = 1;                                     // of the particles, in this step
@@ -82,13 +89,12 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     void addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss);
     template <int Dim>
     void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
-                const Vec<Dim>& answer, const Impulses<Dim>& J);
+                const Mat<Dim>& answer, const Impulses<Dim>& J);
     template <int Dim>
     void exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
-                  const ContactImpulses<Dim>& impulses, const NodeMotion<Dim>& node);
+                  const NodeMotion<Dim>& node);
     template <int Dim>
-    void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& first,
-                const Vec<Dim>& second);
+    void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const NodeMotion<Dim>& node);
     FrictionLaw lawOf(int a, int b) const;
     // What particles lose of the velocities with which groups meet; nothing where these move as one body.
     double loss() const { return separation || slip ? impactLoss : 0; }

@@ -99,7 +99,7 @@ template <int Dim> class ExplicitSurface {
         for (int v : vertices_) {
             const Vec<Dim> x = vectorAt<Dim>(X, v);
             if (!nearby.holds(grid, x)) continue;
-            Vertex vertex{nearestNode(grid, x), x, Vec<Dim>::Zero(), 0, 0, {}};
+            Vertex vertex{nearestNode(grid, x), x, Vec<Dim>::Zero(), 0, 0, nearby.around(grid, x)};
             for (int i = firstAt_[v]; i < firstAt_[v + 1]; ++i) {
                 const Vec<Dim> part = areaOf(X, facets_.facets[facetsAt_[i]]) / facets_.size;
                 vertex.outward += part;
@@ -109,7 +109,6 @@ template <int Dim> class ExplicitSurface {
                     if (std::abs(part[k]) > standsAcross * area) vertex.across[k] += area;
             }
             vertex.size = vertex.outward.norm();
-            vertex.around = nearby.around(grid, x, vertex.outward);
             vertex.number = v;
             place_[v] = int(near.size());
             near.push_back(vertex);
@@ -124,7 +123,7 @@ template <int Dim> class ExplicitSurface {
         corners_.clear();
         const auto add = [&](std::vector<Vertex>& to, const Vec<Dim>& x, const Vec<Dim>& outward) {
             if (const double size = outward.norm(); nearby.holds(grid, x))
-                to.push_back({nearestNode(grid, x), x, outward, size, size, nearby.around(grid, x, outward)});
+                to.push_back({nearestNode(grid, x), x, outward, size, size, nearby.around(grid, x)});
         };
         for (int i = 0; i < outline.size(); ++i) {
             const Vec<Dim> carrier = vectorAt<Dim>(body.particles.position, outline.particle(i));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The groups on contact nodes that implicit bodies move. An impulse on one of them moves the others, too.
+// The sides of contact nodes that implicit bodies move. An impulse on one of them moves the others, too.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
@@ -7,89 +7,144 @@
 
 namespace mpm {
 
-// A group on a node of the grid: what it answers to impulses, its velocities, and what it takes.
-template <int Dim> struct GroupMotion {
-    int field, node;
-    // 1/Mg along each axis, zero where a constraint holds it. Of an implicit body: what it answers if all sites pushed
-    // alike; at the start that of the node alone.
-    Vec<Dim> inverseMass, startInverseMass;
-    Vec<Dim> first, free, start, v; // m/s: of the start and of the solution, before and after the impulses
-    Vec<Dim> taken, agreeing;       // kN s, see Impulses
-    double share = 0;               // sum of the weights with which sites push it
-    int responding = -1;            // place in the response of implicit bodies, -1: none
-
-    // Energy, kJ, that particles lose when they take a part of what makes the starts agree.
-    double lostByStart(double part) const {
-        const Vec<Dim> met = -part * agreeing;
-        return met.dot(first - 0.5 * startInverseMass.cwiseProduct(met));
-    }
-};
-
 template <int Dim> class ImplicitSides {
   public:
-    using Groups = std::vector<GroupMotion<Dim>>;
+    bool isEmpty() const { return response_.isEmpty(); }
 
-    bool isEmpty() const { return response_.nodes.empty(); }
-    void clear() { response_.nodes.clear(); }
-
-    // Finds them and tells them their places.
-    void find(Scene<Dim>& scene, Groups& groups) {
+    // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
+    // inverse masses.
+    template <class Nodes>
+    void find(Scene<Dim>& scene, const ContactSearch<Dim>& search, const ContactPair<Dim>& pair,
+              Nodes& nodes) {
         clear();
+        start_.clear();
+        before_.clear();
         auto* bodies = scene.template find<ImplicitBodies>();
         if (!bodies) return;
-        for (auto& group : groups) {
-            if (!bodies->template moves<Dim>(group.field, group.node)) continue;
-            group.responding = int(response_.nodes.size());
-            response_.nodes.push_back({group.field, group.node});
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int field = search.nodes[i].field[side], node = search.nodes[i].node;
+                if (!bodies->template moves<Dim>(field, node)) continue;
+                nodes[i].responding[side] = int(response_.nodes.size());
+                response_.nodes.push_back({field, node});
+                places_.push_back({int(i), side});
+            }
+        if (isEmpty()) return;
+        bodies->place(response_);
+        bodies->start(scene, response_, order(search, pair, nodes));
+        for (size_t r = 0; r < places_.size(); ++r) {
+            auto& node = nodes[places_[r].contact];
+            node.inverseMass[places_[r].side] = response_.of(int(r), int(r));
+            start_.push_back(node.v[places_[r].side]);
         }
-        if (!isEmpty()) bodies->place(response_);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            before_.push_back({nodes[i].v[0], nodes[i].v[1]});
     }
 
-    // Their inverse masses by the shares of the sites.
-    void weigh(Groups& groups) {
-        if (isEmpty()) return;
-        places_.resize(response_.nodes.size());
-        for (auto& group : groups)
-            if (group.responding >= 0) places_[group.responding] = &group;
-        response_.bound(
-            [&](size_t i, int k) { return places_[i]->startInverseMass[k] > 0 ? places_[i]->share : 0.0; },
-            bounds_);
-        for (size_t i = 0; i < places_.size(); ++i)
-            if (places_[i]->share > 0) places_[i]->inverseMass = bounds_[i] / places_[i]->share;
+    void clear() {
+        response_.clear();
+        places_.clear();
     }
-    // Their velocities, by what they take.
-    void move(Groups& groups) {
+
+    // A site of contact of the pair: a node, or else a point.
+    struct Site {
+        int node, point;
+        int lowest; // unknown of its nodes
+    };
+    // All of them, in the order in which one comes by them on the way along a body.
+    const std::vector<Site>& sites() const { return sites_; }
+    // One is at a site between these nodes now: their velocities are those of all impulses so far.
+    template <class Nodes> void goTo(const Nodes& nodes, const int* at, int count) {
+        forBodies(nodes, at, count, [&](int body, int lowest, int) { response_.bodies[body].goTo(lowest); });
+    }
+    void push(int place, const Vec<Dim>& impulse) { response_.push(place, impulse); }
+    Vec<Dim> velocity(int place) const { return start_[place] + response_.velocity(place); }
+    // Their velocities are kept here until told to the nodes.
+    template <class Nodes> void tell(Nodes& nodes) {
         if (isEmpty()) return;
-        solve(groups);
-        for (auto& group : groups)
-            if (group.responding >= 0) group.v = group.free + response_.velocity(group.responding);
+        for (const auto& asked : response_.nodes) response_.bodies[asked.body].restart();
+        for (size_t r = 0; r < places_.size(); ++r)
+            nodes[places_[r].contact].v[places_[r].side] = velocity(int(r));
+    }
+
+    // Change of the velocity of a side at contact node number i of the pair.
+    Vec<Dim> changeSince(size_t i, int side, const Vec<Dim>& v) const { return v - before_[i][side]; }
+
+    // What the mobility of a site between nodes has beyond that of each of them.
+    template <class Nodes> Mat<Dim> mutualMobility(const Nodes& nodes, const SiteNodes<Dim>& at) const {
+        Mat<Dim> sum = Mat<Dim>::Zero();
+        for (int i = 0; i < at.count; ++i)
+            for (int j = 0; j < at.count; ++j)
+                for (int side = 0; side < 2 && i != j; ++side) {
+                    const int a = nodes[at.at[i]].responding[side], b = nodes[at.at[j]].responding[side];
+                    if (a >= 0 && b >= 0) sum += at.S[side][i] * at.S[side][j] * response_.of(a, b);
+                }
+        return sum;
     }
 
     // The bodies take what was exchanged, and their particles all but a part of what made the velocities of the
     // start agree.
-    void give(Scene<Dim>& scene, const Groups& groups, double part) const {
+    template <class Nodes> void give(Scene<Dim>& scene, const Nodes& nodes, double part) const {
         if (isEmpty()) return;
         std::vector<Vec<Dim>> impulses, unfelt;
-        for (const auto& group : groups) {
-            if (group.responding < 0) continue;
-            impulses.push_back(group.taken);
-            unfelt.push_back(part * group.startInverseMass.cwiseProduct(group.agreeing));
+        for (const Place& place : places_) {
+            const auto& node = nodes[place.contact];
+            const auto& J = node.J[place.side];
+            const double sign = node.sign(place.side);
+            impulses.push_back(sign * J.all);
+            unfelt.push_back(sign * part * node.startInverseMass[place.side] * J.agreeing);
         }
         scene.template find<ImplicitBodies>()->take(scene, response_, impulses, unfelt);
     }
 
   private:
+    struct Place {
+        int contact, side;
+    };
     ImpulseResponse<Dim> response_;
-    std::vector<GroupMotion<Dim>*> places_; // of those that respond
-    std::vector<Vec<Dim>> bounds_;
+    std::vector<Place> places_;
+    std::vector<Site> sites_;
+    std::vector<Vec<Dim>> start_;                 // velocities of those that respond before all impulses, m/s
+    std::vector<std::array<Vec<Dim>, 2>> before_; // of both sides of the contact nodes of the pair
 
-    void solve(const Groups& groups) {
-        response_.clearImpulses();
-        for (const auto& group : groups)
-            if (group.responding >= 0)
-                for (int k = 0; k < Dim; ++k)
-                    if (group.startInverseMass[k] > 0) response_.push(group.responding, k, group.taken[k]);
-        response_.solve();
+    // f(body, lowest, highest unknown) for the bodies that move some nodes.
+    template <class Nodes, class F>
+    void forBodies(const Nodes& nodes, const int* at, int count, F&& f) const {
+        for (int i = 0; i < count; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int place = nodes[at[i]].responding[side];
+                if (place < 0) continue;
+                const int body = response_.nodes[place].body;
+                int lowest = response_.nodes[place].unknown, highest = lowest;
+                for (int j = 0; j < count; ++j)
+                    for (int other : nodes[at[j]].responding)
+                        if (other >= 0 && response_.nodes[other].body == body) {
+                            lowest = std::min(lowest, response_.nodes[other].unknown);
+                            highest = std::max(highest, response_.nodes[other].unknown);
+                        }
+                f(body, lowest, highest);
+            }
+    }
+    // Puts the sites in order; returns a bound on how far apart the unknowns of one are.
+    template <class Nodes>
+    int order(const ContactSearch<Dim>& search, const ContactPair<Dim>& pair, const Nodes& nodes) {
+        sites_.clear();
+        int span = Dim;
+        const auto add = [&](int node, int point, const int* at, int count) {
+            Site site{node, point, -1};
+            forBodies(nodes, at, count, [&](int, int lowest, int highest) {
+                span = std::max(span, highest - lowest + Dim);
+                site.lowest = std::max(site.lowest, lowest);
+            });
+            sites_.push_back(site);
+        };
+        for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
+            if (!search.nodes[i].isLeftOut) add(i, -1, &i, 1);
+        for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i)
+            add(-1, i, search.points[i].contact, search.points[i].size);
+        std::stable_sort(sites_.begin(), sites_.end(),
+                         [](const Site& a, const Site& b) { return a.lowest > b.lowest; });
+        return span;
     }
 };
 

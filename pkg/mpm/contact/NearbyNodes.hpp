@@ -15,7 +15,6 @@ template <int Dim> struct SurroundingNodes {
     static constexpr int size = 1 << Dim;
     int contact[size];
     double S[size];
-    double below[Dim]; // the lower corner of the cell, in cells
 
     // The hat functions of a place in the cell that has the part of its edges below it.
     void weigh(const double* part, double* weights) const {
@@ -70,19 +69,16 @@ template <int Dim> class NearbyNodes {
                near_[nearestNode(grid, x)] >= 0;
     }
 
-    // On a line of the grid, the cell that `outward` points to: with the one above it mirror images would differ.
-    SurroundingNodes<Dim> around(const Grid<Dim>& grid, const Vec<Dim>& x, const Vec<Dim>& outward) const {
-        constexpr double onLine = 1e-9; // cells; places differ by round-off
+    SurroundingNodes<Dim> around(const Grid<Dim>& grid, const Vec<Dim>& x) const {
         int first = 0;
         double part[Dim];
-        SurroundingNodes<Dim> around;
         for (int k = 0; k < Dim; ++k) {
-            const double c = grid.inCells(x[k], k), line = std::round(c);
-            const bool isOnLine = std::abs(c - line) < onLine;
-            around.below[k] = isOnLine ? line - (outward[k] < 0) : std::floor(c);
-            first += int(around.below[k]) * grid.strides[k];
-            part[k] = (isOnLine ? line : c) - around.below[k];
+            const double c = grid.inCells(x[k], k);
+            const double below = std::floor(c);
+            first += int(below) * grid.strides[k];
+            part[k] = c - below;
         }
+        SurroundingNodes<Dim> around;
         for (int corner = 0; corner < around.size; ++corner) {
             int node = first;
             for (int k = 0; k < Dim; ++k) node += corner >> k & 1 ? grid.strides[k] : 0;

@@ -196,8 +196,8 @@ template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& aroun
     return areAll;
 }
 
-// Of a vertex on a grid line the nodes on one side feel nothing: a neighbour stands for those that are none of
-// contact.
+// Of a vertex on a grid line, as on the upper of two planes of symmetry, the nodes on one side feel nothing:
+// a neighbour stands for those that are none of contact.
 template <int Dim> SurroundingNodes<Dim> withFeeling(SurroundingNodes<Dim> around) {
     for (int corner = 0; corner < around.size; ++corner)
         for (int k = 0; k < Dim && around.contact[corner] < 0 && around.S[corner] == 0; ++k)
@@ -210,7 +210,9 @@ template <int Dim> void weighOther(const Grid<Dim>& grid, ContactPoint<Dim>& poi
     const Vec<Dim> outward = point.side == 0 ? point.normal : Vec<Dim>(-point.normal),
                    other = point.position + std::max(point.gap, 0.0) * outward;
     double part[Dim];
-    for (int k = 0; k < Dim; ++k) part[k] = std::clamp(grid.inCells(other[k], k) - point.below[k], 0.0, 1.0);
+    for (int k = 0; k < Dim; ++k)
+        part[k] =
+            std::clamp(grid.inCells(other[k], k) - std::floor(grid.inCells(point.position[k], k)), 0.0, 1.0);
     point.weigh(part, point.otherS);
 }
 
@@ -225,7 +227,7 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
         for (int v = 0; v < vertices[side].bins.count(); ++v) {
             if (pair.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
             auto own = vertices[side].at(v);
-            own.around = withFeeling<Dim>(own.around);
+            if (pair.ownsFacets) own.around = withFeeling<Dim>(own.around);
             if (!isBetweenContactNodes<Dim>(own.around)) continue;
             const double h = pair.grid().sizeAt(own.position).minCoeff();
             ContactPoint<Dim> point;

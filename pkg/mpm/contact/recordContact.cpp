@@ -15,9 +15,8 @@ template <int Dim> Vec<Dim> middleOf(const Grid<Dim>& grid, int cell) {
 // With the velocities that strain the groups. Nodes that a body hardly feels may have quite another one
 // in the solution.
 template <int Dim>
-void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& first,
-                     const Vec<Dim>& second) {
-    const double rubbed = contact.friction[0].dot(first) - contact.friction[1].dot(second);
+void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const NodeMotion<Dim>& node) {
+    const double rubbed = contact.friction[0].dot(node.v[0]) - contact.friction[1].dot(node.v[1]);
     frictionWork += rubbed;
     scene.energies.contact += rubbed;
     const auto inSpace = [](const Vec<Dim>& v) {
@@ -27,7 +26,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
     };
     table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
                      contact.gap, contact.area, inSpace(contact.impulse[1] / scene.dt),
-                     inSpace(first - second)});
+                     inSpace(node.v[0] - node.v[1])});
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[1][k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, contact.overlap);
@@ -93,8 +92,8 @@ template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
     }
 }
 
-template void Contact::record(Scene<2>&, const ContactNode<2>&, const Vec<2>&, const Vec<2>&);
-template void Contact::record(Scene<3>&, const ContactNode<3>&, const Vec<3>&, const Vec<3>&);
+template void Contact::record(Scene<2>&, const ContactNode<2>&, const NodeMotion<2>&);
+template void Contact::record(Scene<3>&, const ContactNode<3>&, const NodeMotion<3>&);
 template void Contact::addToFacets(const Scene<2>&, State<2>&);
 template void Contact::addToFacets(const Scene<3>&, State<3>&);
 template void Contact::recordShared(const Scene<2>&);

@@ -20,8 +20,9 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     // Whether an implicit body moves a node of a velocity field.
     template <int Dim> bool moves(int field, int node) const;
     // Of a response whose nodes, each of which an implicit body moves, are given: tells these their unknowns, and
-    // gives it the bodies.
+    // starts a way along each body; sites of contact have unknowns less than `span` apart.
     template <int Dim> void place(ImpulseResponse<Dim>& response);
+    template <int Dim> void start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const;
     // Changes of the velocities of these nodes by impulses on them, in their order, m/s; nothing takes them.
     template <int Dim>
     void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,

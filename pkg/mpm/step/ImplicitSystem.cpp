@@ -151,16 +151,17 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
 template <int Dim>
 void ImplicitSystem<Dim>::place(ImpulseResponse<Dim>& response, int body,
                                 const std::vector<int>& number) const {
-    auto& own = response.bodies[body];
-    own.factor = nullptr;
-    own.first = unknowns();
     for (auto& asked : response.nodes)
         if (asked.field == field && number[asked.node] >= 0) {
             asked.body = body;
             asked.unknown = Dim * number[asked.node];
-            own.factor = &factor_;
-            own.first = std::min(own.first, asked.unknown);
         }
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const {
+    const NF& nodal = scene.grid.fields[field];
+    sweep.start(factor_, first, span, [&](int unknown) { return holderOf(nodal, unknown) >= 0; });
 }
 
 template <int Dim>

@@ -34,9 +34,10 @@ template <int Dim> class ImplicitSystem {
     // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
     bool solve(Scene<Dim>& scene, const Vec<Dim>& gravity);
 
-    // Tells those nodes of a response that belong to the system, number `body`, their unknowns, and gives it the factor.
-    // number: of nodes.
+    // Tells those nodes of a response that belong to the system, number `body`, their unknowns. number: of nodes.
     void place(ImpulseResponse<Dim>& response, int body, const std::vector<int>& number) const;
+    // Starts a way along it from the last unknown to `first`; a site of contact has unknowns less than `span` apart.
+    void start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const;
     // Changes of the velocities of the nodes of a response that are its own, as system number `body`, by impulses on them.
     void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
                 const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes);

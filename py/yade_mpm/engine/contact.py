@@ -115,11 +115,12 @@ class Contact(generated["Contact"]):
     )
     reduced = property(
         lambda self: self._core.reduced,
-        doc="1: the impulses would have given energy in the last step, and were cut (doc/theory/contact.md).",
+        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
+        "(doc/theory/contact.md).",
     )
     unsettled = property(
         lambda self: self._core.unsettled,
-        doc="1: the impulses still changed when the last step ended its iterations; "
+        doc="Number of pairs of groups whose impulses still changed when the last step ended its rounds; "
         "what that means for their force: doc/explanation/implicit-bodies.md.",
     )
 

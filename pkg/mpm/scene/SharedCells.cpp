@@ -104,7 +104,6 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     findSolids(scene);
     findAir(scene);
     findGivers(scene);
-    findDeep(scene.grid);
     findGrowths(scene);
     decide(scene);
 }
@@ -248,29 +247,6 @@ template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell
     givers_.push_back(giver);
 }
 
-// Cells inside solids, ring by ring. Their domains and their corners see one motion but for the error of the domains,
-// which leaves force in a uniform pressure where it is not in all cells of a solid: so they give, too, to the ring before.
-template <int Dim> void SharedCells<Dim>::findDeep(const Grid<Dim>& grid) {
-    firstDeep_ = givers_.size();
-    std::vector<int> left;
-    std::copy_if(near_.begin(), near_.end(), std::back_inserter(left),
-                 [&](int cell) { return giverAt_[cell] < 0 && !isAir_[cell]; });
-    for (size_t first = 0; !left.empty() && first < givers_.size();) {
-        first = givers_.size();
-        for (int cell : left) {
-            Giver giver{cell, {}};
-            forCellsBeside(grid, cell, [&](int other, int axes) {
-                if (axes == 1 && giverAt_[other] >= 0) giver.to.push_back({other, 1});
-            });
-            for (Part& to : giver.to) to.part /= double(giver.to.size());
-            if (!giver.to.empty()) givers_.push_back(giver);
-        }
-        for (size_t i = first; i < givers_.size(); ++i) giverAt_[givers_[i].cell] = int(i);
-        left.erase(std::remove_if(left.begin(), left.end(), [&](int cell) { return giverAt_[cell] >= 0; }),
-                   left.end());
-    }
-}
-
 // The domains of a solid count in a cell by the parts of them that lie in it.
 template <int Dim> void SharedCells<Dim>::findGrowths(const Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
@@ -321,17 +297,14 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
     Grid<Dim>& grid = scene.grid;
     forces_.clear();
     ofCells_.clear();
-    for (size_t i = 0; i < givers_.size(); ++i) {
-        Giver& giver = givers_[i];
-        double& stress = giver.stress = 0;
-        for (const Part& to : giver.to)
-            if (i < firstDeep_)
-                stress += to.part * takers_.at(to.cell).acting / takers_.at(to.cell).volume;
-            else
-                stress += to.part * givers_[giverAt_[to.cell]].stress;
-        const int first = giver.to.front().cell,
-                  soil = giver.soil = i < firstDeep_ ? groupOf(scene, first) : givers_[giverAt_[first]].soil;
+    for (const Giver& giver : givers_) {
+        double stress = 0; // mean one that acts on its corners, kPa
+        for (const Part& to : giver.to) {
+            const Taker& taker = takers_.at(to.cell);
+            stress += to.part * taker.acting / taker.volume;
+        }
         if (stress == 0) continue;
+        const int soil = groupOf(scene, giver.to.front().cell);
         for (const Growth& solid : giver.solids) {
             const Vec<Dim> force = stress * solid.slope;
             for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[solid.group].sum[solid.node], k, force[k]);

@@ -108,8 +108,6 @@ template <int Dim> class SharedCells {
         std::vector<Growth> solids;
         double ofSolids = 0; // their volume in the cell, m3
         double flux = 0;     // to its takers in this step, m3/s
-        double stress = 0;   // mean one that acts on its corners, kPa
-        int soil = -1;       // group that this is the stress of
 
         void grow(int group, int node, const Vec<Dim>& slope) {
             for (Growth& solid : solids)
@@ -130,7 +128,6 @@ template <int Dim> class SharedCells {
     bool hasSoil(const Scene<Dim>& scene, int cell) const;
     void findGivers(const Scene<Dim>& scene);
     void give(const Scene<Dim>& scene, int cell);
-    void findDeep(const Grid<Dim>& grid);
     void findGrowths(const Scene<Dim>& scene);
     void addGrowth(const Scene<Dim>& scene, Body<Dim>& body);
     bool isBesideClosed(const Grid<Dim>& grid, int cell, const std::map<int, double>& gaps) const;
@@ -169,7 +166,6 @@ template <int Dim> class SharedCells {
     std::vector<char> isNear_;  // of each cell, whether it is near a solid,
     std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;
-    size_t firstDeep_ = 0;     // of these, see findDeep()
     std::vector<int> giverAt_; // of each cell, -1: none
     std::map<int, Taker> takers_;
     std::map<int, double> fullness_; // of cells that were asked for
@@ -206,8 +202,6 @@ void SharedCells<Dim>::takeFluxes(const Scene<Dim>& scene, VelocityOf&& velocity
             L += velocityOf(solid.group, solid.node) * solid.slope.transpose() / giver.ofSolids;
         giver.flux -= giver.ofSolids * ((Mat<Dim>::Identity() + scene.dt * L).determinant() - 1) / scene.dt;
     }
-    for (size_t i = givers_.size(); i-- > firstDeep_;)
-        for (const Part& to : givers_[i].to) givers_[giverAt_[to.cell]].flux += to.part * givers_[i].flux;
 }
 
 } // namespace mpm

@@ -155,7 +155,7 @@ OF_THE_RUN = (
 
 
 def checkFields(body, remedy=BY_HAND):
-    """Refuses values that are not finite, and mass or volume that is not positive.
+    """Refuses values that are not finite, mass or volume that is not positive, and strengths out of range.
 
     Parameters
     ----------
@@ -184,6 +184,10 @@ def _checkField(body, name, values, remedy):
             f"body '{body.name}': {name} = {values[at]:g} of {who} is not {allowed}, and "
             f"only {allowed} numbers are allowed; {remedy}"
         )
+    try:
+        body.material._checkRange(name, values)
+    except ValueError as error:
+        raise ValueError(f"body '{body.name}': {error}; {remedy}") from None
 
 
 def _ofParticle(body, name, entry):

@@ -76,10 +76,15 @@ class Material(Attributed):
                 continue
             who = f"{type(self).__name__}: {name}"
             values = valuesAt(f"{who} of body '{body.name}'", spec, body.position, body.id)
-            probe = type(self)._make(self._coreName)
-            for end in (values.min(), values.max()) if len(values) else ():
-                probe.set(name, float(end))
+            self._checkRange(name, values)
             setattr(body, name, values)
+
+    def _checkRange(self, name, values):
+        """Refuses values of particles that the parameter of this name may not have."""
+        if len(values) and any(p["name"] == name and p["mayVary"] for p in self._core.parameters()):
+            probe = type(self)._make(self._coreName)
+            probe.set(name, float(values.min()))
+            probe.set(name, float(values.max()))
 
     def __eq__(self, other):
         """Whether both are of one class and have the same constants, also where these vary in space."""

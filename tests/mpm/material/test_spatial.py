@@ -142,6 +142,15 @@ def testARandomFieldIsCheckedWhenItIsMade(mean, deviation, lengths):
         mpm.RandomField(mean, deviation, lengths, seed=1)
 
 
+@pytest.mark.parametrize("young", [{"young": 6e3}, {"rigidity": 100}])
+@pytest.mark.parametrize("value", [0, -5])
+def testAStrengthThatIsSetByHandIsCheckedBeforeTheRun(young, value):
+    scene, body = block(mpm.Tresca(density=1.7, poisson=0.45, undrainedStrength="per particle", **young))
+    body.undrainedStrength = np.where(body.id < 3, value, 20)
+    with pytest.raises(ValueError, match="'soil'.*undrainedStrength.*positive"):
+        scene.run(steps=1, progress=False)
+
+
 def testRigidityFollowsTheStrengthOfEachParticle():
     """G = rigidity su; the particles are those of clay with that young and poisson, to round-off."""
     given = dict(density=1.7, poisson=0.45, undrainedStrength=lambda x: np.full(len(x), 8.0))

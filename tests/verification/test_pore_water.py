@@ -91,6 +91,24 @@ def test_a_flow_through_a_face_raises_the_head_before_it(verified):
     assert water.inflow == pytest.approx(0.5 * q) and water.outflow == pytest.approx(0.5 * q, rel=1e-3)
 
 
+def test_only_soil_with_water_takes_a_flow_through_a_face():
+    """Half of the last row of cells is soil, or half of the first one a structure."""
+    h, q = 0.25, 1e-6
+    for low, top, level in ((0, 1.125, 2.0), (0, 1.0, 0.875), (0.125, 1.0, 2.0)):
+        scene = mpm.Scene((0, 0), (1.0, 2.0), h, gravity=GAMMA)
+        scene.roller("left", "right", "bottom")
+        elastic = mpm.LinearElastic(density=2.0, young=2e4, poisson=0.2)
+        water = mpm.PoreWater(table=level, permeability=1e-4, inflows={"left": q})
+        body = scene.add("soil", box((0, low), (1, top)), elastic, mpm.UGIMP(), fbar=True, water=water)
+        if low:
+            slab = scene.add("slab", box((0, 0), (1, low)), elastic, mpm.APDI(size=h / 2))
+            scene.contact(slab, body)
+            scene.drive(slab, velocity=(0.0, 0.0), name="hold")
+        scene.groundStress(K0=0.5, bodies=[body])
+        scene.run(steps=1, progress=False)
+        assert water.inflow == pytest.approx((min(top, level) - low) * q, rel=2e-3)
+
+
 @pytest.mark.verifies("flow through a block between two heads", reference="Darcy", tolerance=1e-3)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_water_flows_through_a_block_between_two_heads(dim, verified):

@@ -222,13 +222,16 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const WaterTable water = tableAt(scene, scene.time);
     Vec<Dim> x = fill.centre;
     x[axis] = side ? grid.upper[axis] : grid.lower[axis];
-    const double length = edges.prod() / edges[axis];
+    const double across = std::abs(x[axis] - fill.centre[axis]);
+    const double whole = edges.prod() / edges[axis]; // of the cell
+    const double thickness = std::min(grid.thicknessAt(x[0]), grid.thicknessAt(fill.centre[0]));
+    const double length = fill.isInside ? whole : whole * coverOf(fill, across, whole * thickness);
     if (const double* given = atFace(inflows, face))
         system.outlets.push_back({c, 0, *given * length * grid.thicknessAt(x[0])});
     const double* level = atFace(heads, face);
     const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
     if (!level && !isDrained) return;
-    const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
+    const double way = std::max(across, leastCover * edges[axis]);
     const double area = length * grid.thicknessAt(0.5 * (x[0] + fill.centre[0]));
     const double conductance = fill.permeability / (density * standardGravity) * area / way;
     const double head = level ? water.weight * std::max(*level, x[Dim - 1]) : water.head<Dim>(x);

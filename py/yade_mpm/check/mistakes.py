@@ -90,6 +90,14 @@ def _water(scene):
             "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
             'a face water, e.g. drained="bottom", or say permeability=0'
         )
+    for body in (b for b in scene.bodies if b.count and b.implicit and b not in wet):
+        density = body.mass.sum() / body.volume.sum()
+        if density < water.density * (1 - ROUNDOFF) and body.group != wet[0].group:
+            yield (
+                f"PoreWater: '{body.name}' is implicit and has {density:.2g} Mg/m3, less than water; beside "
+                "wet soil such a body may shake until the run fails; give it the density of water, or "
+                "implicit=False"
+            )
     for body in wet:
         if scene.steps == 0 and water.excess(body).min() < -OVERDRAWN * water.hydrostatic(body).max():
             yield (

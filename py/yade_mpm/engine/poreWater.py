@@ -65,11 +65,18 @@ water.outflow. A surface without water in front of it takes in what the soil suc
                 attributes[name] = list(rows)
             elif rows is not None:
                 raise TypeError(f"PoreWater: {name} = {shown(rows)}; give a dict face -> {unit}")
-        faces = [drained] if isinstance(drained, str) else [] if drained is None else list(drained)
+        if drained is not None and not isinstance(drained, (str, list, tuple)):
+            raise TypeError(f"PoreWater: drained = {shown(drained)}; give a face, or a list of faces")
+        faces = [drained] if isinstance(drained, str) else list(drained or ())
         if all(isNumber(face) for face in faces):  # from a checkpoint
             attributes["drained"] = faces
         else:
             named["drained"] = dict.fromkeys(faces)
+        given = [(face, name) for name, values in named.items() for face in values]
+        for face, name in given:
+            others = [other for its, other in given if its == face and other != name]
+            if others:
+                raise ValueError(f"PoreWater: '{face}' is in {name} and in {others[0]}; give it one of them")
         super().__init__(**attributes)
         self.__dict__["_named"] = named
 

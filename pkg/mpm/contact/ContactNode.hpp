@@ -50,6 +50,7 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     double owned = 0;        // m2, of the surface of a mesh here, by contact points,
     double gapOfPoints = 0;  // m3, their gaps times what they own,
     double scaleOfOwned = 1; // and what they have of the surface where they do all, over what they own
+    double areaOfPoints = 0; // m2, for which they stand here: their impulses are on it
     bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
     bool isLeftOut = false;  // contact points do all that it would
     bool acts = false, slides = false, touches = false; // with what it shares with contact points

@@ -69,9 +69,13 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
                              {pair_.motion[0], pair_.motion[1]},
                              {pair_.edges[0] > 0, pair_.edges[1] > 0}});
         }
-    if (!scene.grid.isAxisymmetric) return;
-    for (auto& node : nodes) node.area *= scene.grid.thicknessAt(node.position[0]);
-    for (auto& point : points) point.area *= scene.grid.thicknessAt(point.position[0]);
+    if (scene.grid.isAxisymmetric) {
+        for (auto& node : nodes) node.area *= scene.grid.thicknessAt(node.position[0]);
+        for (auto& point : points) point.area *= scene.grid.thicknessAt(point.position[0]);
+    }
+    for (const auto& point : points)
+        for (int corner = 0; corner < point.size; ++corner)
+            nodes[point.contact[corner]].areaOfPoints += point.S[corner] * point.area;
 }
 
 template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {

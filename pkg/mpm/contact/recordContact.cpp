@@ -25,7 +25,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const N
         return all;
     };
     table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
-                     contact.gap, contact.area, inSpace(contact.impulse[1] / scene.dt),
+                     contact.gap, contact.area + contact.areaOfPoints, inSpace(contact.impulse[1] / scene.dt),
                      inSpace(node.v[0] - node.v[1])});
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[1][k] / scene.dt;

@@ -55,6 +55,7 @@ def testTheWallHasTheForcesOfPlaxis(verified):
     verified(moment.max(), 1710.0)  # below the pit's floor
 
 
+@pytest.mark.slow
 def testControlASoftWallHasHalfTheMoment():
     _, moment = dug((2, 20), stiffness=1e5)[20]
     assert np.abs(moment).max() < 0.6 * 1710

@@ -128,20 +128,6 @@ def test_unknown_classes_are_named(tmp_path, change, message):
         mpm.load(tmp_path / "a.h5")
 
 
-@pytest.mark.parametrize("normals, message", [("surface", None), ("mass", "normals is gone")])
-def test_parameters_of_earlier_versions_are_read_where_they_say_nothing(tmp_path, normals, message):
-    scene = smallScene()
-    scene.engines.insert(2, mpm.Contact())
-    scene.engines[2].dead = True
-    scene.save(tmp_path / "old.h5")
-    describedAnew(tmp_path / "old.h5", lambda spec: spec["engines"][2]["attributes"].update(normals=normals))
-    if message is None:
-        assert mpm.load(tmp_path / "old.h5", trust=True).engines[2].dead
-    else:
-        with pytest.raises(ValueError, match=message):
-            mpm.load(tmp_path / "old.h5", trust=True)
-
-
 def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
     file, scene = tmp_path / "a.h5", smallScene()
     scene.save(file)

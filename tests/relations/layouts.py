@@ -148,7 +148,8 @@ def randomLayout(seed, contact=None):
     """
     rng = np.random.default_rng(seed)
     types = sorted(mpm._core.particleTypeNames())
-    laws = sorted(set(mpm._core.materialNames()) - {"MFront", "PythonLaw", "UMAT"})  # those need a library
+    others = {"MFront", "PythonLaw", "UMAT", "BeamSection"}  # need a library, or a mesh of their own
+    laws = sorted(set(mpm._core.materialNames()) - others)
     contact = bool(rng.integers(2)) if contact is None else contact
     blocks, x, height = [], 1, int(rng.integers(2, 4))
     for n in range(int(rng.integers(2, 5))):

@@ -15,7 +15,7 @@ class Asked(list):
         for engine in self:
             if not any(engine is other for other in engines):
                 kind = type(engine).__name__
-                calls = {"Contact": "scene.contact", "RigidContact": "scene.terrain"}
+                calls = {"Contact": "scene.contact", "RigidContact": "scene.contact or scene.terrain"}
                 call = calls.get(kind, "gravity, damping, fix, roller or drive")
                 raise ValueError(
                     f"Scene: the engines are without the {kind} that calls of the scene have edited "

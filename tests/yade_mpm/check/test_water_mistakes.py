@@ -100,6 +100,18 @@ def test_a_light_implicit_body_in_wet_soil_is_told(density, implicit, isTold):
     assert any("'light' is implicit and has" in str(w.message) for w in found) == isTold
 
 
+def test_a_light_beam_is_told_what_a_beam_can_change():
+    scene = mpm.Scene((0, 0), (2, 1.5), 0.25, gravity=9.81)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    sheet = mpm.Beam([(1, 0.5), (1, 1.25)], EI=1e3, EA=1e5, weight=0.1, thickness=0.5)
+    around = box((0, 0), (2, 1)) - sheet.region
+    soil = scene.add("soil", around, mpm.MohrCoulomb(**LAW), mpm.UGIMP(), water=mpm.PoreWater(table=1.0))
+    scene.contact(scene.add("sheet", sheet), soil)
+    with pytest.warns(UserWarning, match="'sheet' is implicit .* more weight or less thickness"):
+        scene.run(steps=1, progress=False)
+
+
 def test_excess_and_head_belong_to_the_table():
     scene, body = ground(table=0.4)
     water = next(e for e in scene.engines if isinstance(e, mpm.PoreWater))

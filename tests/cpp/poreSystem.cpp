@@ -54,7 +54,7 @@ template <int Dim> struct Sample {
             for (int k = 0; k < Dim; ++k) node.step[k] = number() > 0 ? 0.1 * (1.5 + number()) : 0;
         for (int c = 0; c < system.unknowns; ++c) {
             const int beside = system.cellAt(system.cells[c].number + 1);
-            if (beside >= 0) system.faces.push_back({c, beside, 0.02 * (1.5 + number()), number()});
+            if (beside >= 0) system.faces.push_back({c, beside, 0.02 * (1.5 + number()), number(), 0, 1.0});
         }
         system.cells[0].flow += 0.1;
         system.finish();

@@ -190,7 +190,8 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                         own.permeability * overWeight * thickness * edges.prod() / edges[k] / way;
                     const bool isTable = own.dry > 0 || there.dry > 0; // and no surface of the soil
                     const double head = isTable ? own.head : water.head<Dim>(surface);
-                    system.outlets.push_back({c, conductance, conductance * (head - own.head)});
+                    system.outlets.push_back({c, conductance, conductance * (head - own.head), k, side,
+                                              thickness * edges.prod() / edges[k]});
                     continue;
                 }
                 if (!side || state.solids.isBetween(grid, state.fill, number, k)) continue; // once
@@ -206,7 +207,8 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                 const double conductance =
                     cover * area * overWeight / (resistance * std::max(1.0, way > 0 ? least / way : 1.0));
                 if (conductance > 0)
-                    system.faces.push_back({c, other, conductance, conductance * (own.head - there.head)});
+                    system.faces.push_back(
+                        {c, other, conductance, conductance * (own.head - there.head), k, cover * area});
             }
     }
 }
@@ -226,8 +228,9 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const double whole = edges.prod() / edges[axis]; // of the cell
     const double thickness = std::min(grid.thicknessAt(x[0]), grid.thicknessAt(fill.centre[0]));
     const double length = fill.isInside ? whole : whole * coverOf(fill, across, whole * thickness);
-    if (const double* given = atFace(inflows, face))
-        system.outlets.push_back({c, 0, *given * length * grid.thicknessAt(x[0])});
+    const double wall = length * grid.thicknessAt(x[0]);
+    if (const double* given = atFace(inflows, face); given && wall > 0)
+        system.outlets.push_back({c, 0, *given * wall, axis, side, wall});
     const double* level = atFace(heads, face);
     const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
     if (!level && !isDrained) return;
@@ -235,7 +238,7 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const double area = length * grid.thicknessAt(0.5 * (x[0] + fill.centre[0]));
     const double conductance = fill.permeability / (density * standardGravity) * area / way;
     const double head = level ? water.weight * std::max(*level, x[Dim - 1]) : water.head<Dim>(x);
-    system.outlets.push_back({c, conductance, conductance * (head - fill.head)});
+    system.outlets.push_back({c, conductance, conductance * (head - fill.head), axis, side, area});
 }
 
 // Of structures only the nodes that have mass.

@@ -8,13 +8,14 @@
 #include "mpm/step/WaterTable.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace mpm {
 
 // What the particles of a body with water have besides the state of their material, in this order.
 struct PoreState {
-    static constexpr int count = 4;
-    static const Field* fields(); // pressure, saturation, permeability, porosity
+    static constexpr int count = 5;
+    static std::array<Field, count> fields(int dim); // pressure, saturation, permeability, porosity, flow
     // Number of the first in the state of a body, -1: it has no water.
     template <int Dim> static int in(const Particles<Dim>& particles) {
         const int first = int(particles.state.size()) - count;
@@ -22,8 +23,8 @@ struct PoreState {
     }
     template <int Dim> static void addTo(Particles<Dim>& particles) {
         if (in(particles) >= 0) return;
-        for (int i = 0; i < count; ++i) {
-            particles.state.push_back(fields()[i]);
+        for (const Field& field : fields(Dim)) {
+            particles.state.push_back(field);
             particles.state.back().resize(particles.size());
         }
     }
@@ -33,6 +34,7 @@ struct PoreState {
 template <int Dim> struct WetBody {
     Body<Dim>* body;
     double *pressure, *saturation, *permeability, *porosity;
+    std::array<double*, Dim> flow;
     CellPoints<Dim> points;
     std::vector<int> cell; // of each point
 
@@ -43,6 +45,7 @@ template <int Dim> struct WetBody {
         saturation = state[first + 1].plane();
         permeability = state[first + 2].plane();
         porosity = state[first + 3].plane();
+        for (int k = 0; k < Dim; ++k) flow[k] = state[first + 4].plane(k);
     }
 };
 

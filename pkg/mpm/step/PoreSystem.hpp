@@ -53,12 +53,16 @@ template <int Dim> class PoreSystem {
         int before, beyond; // cells
         double conductance; // m3/(kPa s)
         double drive;       // flow from `before` to `beyond` at equal u, m3/s
+        int axis;
+        double area; // that water passes, m2
     };
 
     struct Outlet { // to water outside
         int cell;
         double conductance; // m3/(kPa s)
         double source;      // what flows in at u = 0, m3/s
+        int axis, side;     // of the cell that it leaves by
+        double area;        // that water passes, m2
     };
     struct Part { // of B: what particles at a surface have of a cell
         int cell, node;
@@ -77,6 +81,7 @@ template <int Dim> class PoreSystem {
     std::vector<Outlet> outlets;
     std::vector<Part> parts; // with nodes of the grid until addNodes()
     std::vector<Share> shares;
+    std::vector<std::array<Vec<Dim>, 2>> speeds; // flow through the faces of each unknown's cell, m/s
     // Adds what implicit bodies change in the velocities of the nodes, by the pressure that acts in the
     // cells.
     std::function<void(const std::vector<double>&, std::vector<Vec<Dim>>&)> respond;
@@ -182,6 +187,19 @@ template <int Dim> class PoreSystem {
         for (const auto& [other, conductance] : beside_[c])
             if (other >= 0) sum -= conductance * u[other];
         return sum;
+    }
+    // The flow along the axes through both faces of each cell, at u.
+    void findSpeeds(const std::vector<double>& u) {
+        speeds.assign(unknowns, {Vec<Dim>::Zero(), Vec<Dim>::Zero()});
+        for (const Face& face : faces) {
+            const double speed =
+                (face.conductance * (u[face.before] - u[face.beyond]) + face.drive) / face.area;
+            speeds[face.before][1][face.axis] = speeds[face.beyond][0][face.axis] = speed;
+        }
+        for (const Outlet& outlet : outlets) {
+            const double out = (outlet.conductance * u[outlet.cell] - outlet.source) / outlet.area;
+            speeds[outlet.cell][outlet.side][outlet.axis] += outlet.side ? out : -out;
+        }
     }
 
     // Once the steps of the nodes are known.

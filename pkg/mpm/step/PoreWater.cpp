@@ -16,13 +16,12 @@ constexpr int mostIterations = 5000;
 
 } // namespace
 
-const Field* PoreState::fields() {
-    static const Field all[count] = {
-        {"porePressure", "kPa", "Pressure of the pore water, compression positive."},
-        {"saturation", "-", "1 where the pores are full of water, 0 where they are dry."},
-        {"permeability", "m/s", "Hydraulic conductivity."},
-        {"porosity", "-", "Volume of the pores over that of the soil."}};
-    return all;
+std::array<Field, PoreState::count> PoreState::fields(int dim) {
+    return {{{"porePressure", "kPa", "Pressure of the pore water, compression positive."},
+             {"saturation", "-", "1 where the pores are full of water, 0 where they are dry."},
+             {"permeability", "m/s", "Hydraulic conductivity."},
+             {"porosity", "-", "Volume of the pores over that of the soil."},
+             {"flowVelocity", "m/s", "Flow of water through an area of soil over the area (Darcy).", {dim}}}};
 }
 
 std::string PoreWater::doc() const {
@@ -304,9 +303,23 @@ Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, in
     return slope;
 }
 
+// Between the faces of the cell linear along each axis, as the flow through them is, m/s.
+template <int Dim>
+Vec<Dim> PoreWater::flowAt(const Grid<Dim>& grid, const State<Dim>& state, int cell, const Vec<Dim>& x) {
+    const auto& speeds = state.system.speeds[state.system.cellAt(cell)];
+    const Vec<Dim> edges = grid.edges(cell), middle = grid.centre(grid.indices(cell));
+    Vec<Dim> flow;
+    for (int k = 0; k < Dim; ++k) {
+        const double part = std::clamp((x[k] - middle[k]) / edges[k] + 0.5, 0.0, 1.0);
+        flow[k] = speeds[0][k] + part * (speeds[1][k] - speeds[0][k]);
+    }
+    return flow;
+}
+
 template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
     std::vector<Vec<Dim>> slope(state.system.unknowns);
     for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
+    state.system.findSpeeds(state.excess);
     const WaterTable end = tableAt(scene, scene.time + scene.dt);
     for (auto& wet : state.fill.wet) {
         for (int p = 0; p < wet.body->particles.size(); ++p) {
@@ -318,6 +331,8 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
                 excess += state.excess[c] + slope[c].dot(x - state.fill[wet.cell[point]].centre);
             }
             wet.pressure[p] = excess / wet.points.per(p) + end.pressure<Dim>(x);
+            const Vec<Dim> flow = flowAt(scene.grid, state, wet.cell[wet.points.at(p)], x);
+            for (int k = 0; k < Dim; ++k) wet.flow[k][p] = flow[k];
         }
     }
 }

@@ -77,6 +77,8 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
+    template <int Dim>
+    static Vec<Dim> flowAt(const Grid<Dim>& grid, const State<Dim>& state, int cell, const Vec<Dim>& x);
     template <int Dim> void liftAll(Scene<Dim>& scene, double time);
     template <int Dim> void lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water);
 };

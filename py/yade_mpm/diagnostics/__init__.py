@@ -24,6 +24,7 @@ from .balance import (
 from .drainage import drainage
 from .facePressure import FacePressure, facePressure, pressureImpulse
 from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
+from .piezometer import piezometer
 from .sections import SectionForces, bendingMoment, normalForce, sectionForces, shearForce
 from .shapes import (
     convertedCount,
@@ -39,6 +40,7 @@ from .shapes import (
 __all__ = [
     "mass",
     "drainage",
+    "piezometer",
     "volumeRatio",
     "momentum",
     "kineticEnergy",

@@ -39,8 +39,10 @@ kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n th
 
 A soil with another permeability or porosity has another `PoreWater`, equal in the rest. Results:
 `body.porePressure`, kPa, compression positive; `excess(body)` over the hydrostatic one, kPa; `head(body)`, m;
-`outflow` and `inflow`, m3/s, through all boundaries; `iterations`. A history has them as columns, such as
-water.outflow. A surface without water in front of it takes in what the soil sucks, as if it rained."""
+`body.flowVelocity`, m/s, Darcy's flow over area; `outflow` and `inflow`, m3/s, through all boundaries;
+`iterations`. A history has the last three as columns, such as water.outflow. Pictures and files have the
+fields porePressure, excessPressure, head and flowVelocity. A surface without water
+in front of it takes in what the soil sucks, as if it rained."""
     )
 
     _tables = ("table", "rise", "heads", "drained", "inflows")
@@ -135,6 +137,11 @@ water.outflow. A surface without water in front of it takes in what the soil suc
             return np.full(len(positions), -np.inf)
         rise = np.reshape(self.rise, (-1, 2))
         return np.interp(positions[:, 0], *rows.T) + (np.interp(time, *rise.T) if len(rise) else 0.0)
+
+
+def waterOf(scene):
+    """The PoreWater of a scene, or None."""
+    return next((engine for engine in scene.engines if isinstance(engine, PoreWater)), None)
 
 
 def _checked(name, rows, unit):

@@ -17,10 +17,10 @@ import numpy as np
 
 from .. import diagnostics
 from ..base.wording import shown
+from .frame import DERIVED
 
 MOST_TEXT = 1000  # characters
 SCENE = ("time", "steps", "dt", "dtCritical", "particleCount")
-DERIVED = ("displacement",)  # of a body besides its fields
 MEANS = {"min": np.min, "max": np.max, "mean": np.mean, "sum": np.sum}  # of a field
 FUNCTIONS = {"abs": abs, "min": min, "max": max}  # of numbers
 OPERATIONS = {
@@ -169,6 +169,7 @@ class Expression:
 
 def _fieldOf(body, name):
     known = [*(field["name"] for field in body.fields()), *DERIVED]
-    if name not in known:
+    values = DERIVED[name][1](body) if name in DERIVED else getattr(body, name) if name in known else None
+    if values is None:
         raise ValueError(f"body '{body.name}' has no field '{name}'; fields: {', '.join(known)}")
-    return getattr(body, name)
+    return values

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ..engine.poreWater import waterOf
+
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
 # Names of the components of vectors, tensors by rows, and symmetric tensors in the order of VTK.
 COMPONENTS = {
@@ -37,6 +39,8 @@ DERIVED = {
     "meanStress": ("kPa", lambda body: np.trace(body.stress, axis1=1, axis2=2) / 3),
     "deviatoricStress": ("kPa", lambda body: _mises(body.stress)),
     "stressComponents": ("kPa", lambda body: _symmetric(body.stress)),
+    "excessPressure": ("kPa", lambda body: _ofWater(body, "excess")),
+    "head": ("m", lambda body: _ofWater(body, "head")),
 }
 
 
@@ -99,7 +103,8 @@ def _cellData(numbered, fields):
     if fields is None:
         own = (*_particleFields, *_memory)
         states = [f["name"] for _, body in numbered for f in body.fields() if f["name"] not in own]
-        fields = [*_standard, *states]
+        wet = ("excessPressure", "head") if "porePressure" in states else ()
+        fields = [*_standard, *states, *wet]
     data = {
         "body": _joined([np.full(body.count, k) for k, body in numbered], np.int64),
         "id": _joined([body.id for _, body in numbered], np.int64),
@@ -120,7 +125,7 @@ def _values(body, name):
         values = getattr(body, name)
     else:
         return None
-    return _three(values)
+    return None if values is None else _three(values)
 
 
 def _three(values):
@@ -149,6 +154,11 @@ def _joined(parts, dtype):
 def _symmetric(stress):
     """Tensors (N, 3, 3) as (N, 6)."""
     return np.stack([stress[:, "xyz".index(i), "xyz".index(j)] for i, j in COMPONENTS[6]], axis=1)
+
+
+def _ofWater(body, name):
+    """What the PoreWater of its scene says of a body, None for one without water."""
+    return getattr(waterOf(body.scene), name)(body) if body._core.hasPores else None
 
 
 def _mises(stress):

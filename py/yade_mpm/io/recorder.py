@@ -57,10 +57,11 @@ class Recorder(Callback):
     period : scene time between frames, s; or
     iterPeriod : steps between frames. One of the two is needed.
     fields : names of particle fields (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
-        "deviatoricStress" (von Mises), "stressComponents" (xx, yy, zz, xy, yz, xz, which ParaView names).
+        "deviatoricStress" (von Mises), "stressComponents" (xx, yy, zz, xy, yz, xz, which ParaView names), of
+        soil with water "excessPressure" and "head".
         Default: stress, stressComponents, velocity, displacement, volumeRatio, meanStress and the state
-        variables of the materials, but for the stretch that elastic ones remember. `body` (number in the
-        order of the scene) and `id` are always there.
+        variables of the materials and of water, but for the stretch that elastic ones remember. `body`
+        (number in the order of the scene) and `id` are always there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
     label : name of the engine; default "".
     dead : leave the engine out; default False.

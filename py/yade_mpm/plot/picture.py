@@ -56,7 +56,8 @@ class _Fields:
         if name not in self.units:
             return None
         of = DERIVED[name][1] if name in DERIVED else lambda body: getattr(body, name)
-        return np.asarray(of(self.body)), self.units[name]
+        values = of(self.body)
+        return None if values is None else (np.asarray(values), self.units[name])
 
 
 class _MirroredFields:

@@ -4,7 +4,7 @@
 from ..base.wording import shown
 from ..engine.contact import Contact
 from ..engine.gridSolver import GridSolver
-from ..engine.poreWater import PoreWater
+from ..engine.poreWater import PoreWater, waterOf
 
 
 def checkWater(scene, name, material, water, implicit):
@@ -44,11 +44,6 @@ def addPores(body):
     """Room for the state of the water in the particles of a body."""
     body._core.addPores()
     body.__dict__["_fields"] = {field["name"] for field in body._core.fields(False)}
-
-
-def waterOf(scene):
-    """The PoreWater of a scene, or None."""
-    return next((engine for engine in scene.engines if isinstance(engine, PoreWater)), None)
 
 
 def displaced(scene, body):

@@ -130,9 +130,13 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         // The volume of a domain is that between its vertices; boxes have what the stress sees.
         const bool follows = body.fbar && body.domains->boxes();
         const auto rest = [&](int begin, int end) {
-            follows ? deform<true, N>(body.particles, scene.dt, begin, end, body.cellAverage.values())
-                    : deform<false, N>(body.particles, scene.dt, begin, end, nullptr);
+            const double* dilation = follows ? body.cellAverage.values() + begin : nullptr;
+            double advanced[chunkSize];
+            if (body.domains->boxes()) advanceVolumes<N>(body, scene.dt, begin, end, dilation, advanced);
+            dilation ? deform<true, N>(body.particles, scene.dt, begin, end, dilation)
+                     : deform<false, N>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
+            if (body.domains->boxes()) keepVolumes(body.particles, begin, end, advanced);
             if (!atOnce) stresses(begin, end);
         };
         const auto wholeBody = [&] {

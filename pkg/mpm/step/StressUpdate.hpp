@@ -11,12 +11,11 @@ template <int N, int Dim> constexpr bool isStrained(int i, int j) {
     return N == Dim || i == j || (i < Dim && j < Dim);
 }
 
-// F <- (I + dt L) F for particles [begin, end), along the N axes that strain. dilation: of tr L, by F-bar: F, and with
-// it the volume of boxes, follow what the stress sees.
+// F <- (I + dt L) F for particles [begin, end), along the N axes that strain. dilation: of tr L, by F-bar, of the
+// first on: F, and with it the volume of boxes, follow what the stress sees.
 template <bool dilates, int N, int Dim>
 void deform(Particles<Dim>& particles, double dt, int begin, int end, const double* dilation) {
     const VelocityGradient<N> L(particles, begin);
-    if constexpr (dilates) dilation += begin;
     double* F[N * N];
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) F[N * i + j] = particles.deformationGradient.plane(3 * i + j) + begin;
@@ -95,6 +94,44 @@ template <int N, int Dim> struct Power {
         return sum;
     }
 };
+
+// Bulk volumes of particles [begin, end) times det(I + dt L), before they deform; dilation as of deform(), or nullptr.
+template <int N, int Dim>
+void advanceVolumes(const Body<Dim>& body, double dt, int begin, int end, const double* dilation,
+                    double* advanced) {
+    VelocityGradient<N> L(body.particles, begin);
+    double along[N][chunkSize];
+    for (int k = 0; dilation && k < N; ++k) {
+        for (int p = 0; p < end - begin; ++p) along[k][p] = L(k, k, p) + dilation[p] / N;
+        L.plane[(N + 1) * k] = along[k];
+    }
+    volumeRates(L, dt, end - begin, advanced);
+    const double* volume = body.particles.volume.plane() + begin;
+    for (int p = 0; p < end - begin; ++p) advanced[p] = volume[p] * (1 + dt * advanced[p]);
+    const int number = body.material->volumeRecord().opening;
+    if (number < 0) return;
+    const double* opening = body.particles.state[number].plane() + begin;
+    for (int p = 0; p < end - begin; ++p)
+        if (opening[p] > 0) advanced[p] *= std::exp(opening[p]);
+}
+
+// The volume of boxes [begin, end) is det F V0. Where the terms of det F cancel to less than a millionth, as in a box
+// that stays under a tip and is stretched without end, round-off is in what is left of them: there it is `advanced`.
+template <int Dim> void keepVolumes(Particles<Dim>& particles, int begin, int end, const double* advanced) {
+    constexpr double most = 1e6; // half and twice of it change volumes by 1e-9
+    const double* F[9];
+    for (int i = 0; i < 9; ++i) F[i] = particles.deformationGradient.plane(i) + begin;
+    double* V = particles.volume.plane() + begin;
+    const double* V0 = particles.initialVolume.plane() + begin;
+#pragma omp simd
+    for (int p = 0; p < end - begin; ++p) {
+        double terms = (std::abs(F[0][p] * F[4][p]) + std::abs(F[1][p] * F[3][p])) * std::abs(F[8][p]);
+        if constexpr (Dim == 3)
+            terms += std::abs(F[5][p]) * (std::abs(F[0][p] * F[7][p]) + std::abs(F[1][p] * F[6][p])) +
+                     std::abs(F[2][p]) * (std::abs(F[3][p] * F[7][p]) + std::abs(F[4][p] * F[6][p]));
+        V[p] = terms * V0[p] > most * std::abs(V[p]) ? advanced[p] : V[p];
+    }
+}
 
 // The volume of particles [begin, end) without their opening: only the solid bears stress. In soil that
 // stands open the other part is a gap (material/Material.hpp, VolumeRecord).

@@ -15,25 +15,37 @@
 #include "mpm/scene/ParticleCells.hpp"
 #include "mpm/state/cover.hpp"
 
+#include <numeric>
+
 namespace mpm {
+
+// Of the stress of particle p, kPa.
+struct MeanOfStress {
+    const double* diagonal[3];
+    explicit MeanOfStress(const Field& stress) {
+        for (int k = 0; k < 3; ++k) diagonal[k] = stress.plane(4 * k);
+    }
+    MPM_INLINE double operator()(int p) const {
+        return (diagonal[0][p] + diagonal[1][p] + diagonal[2][p]) / 3;
+    }
+};
 
 template <int Dim> class CellAverage {
   public:
     struct Cell {
-        long round = 0;                // in which particles entered it
         Vec<Dim> edges;                // m
         double whole = 0;              // volume, m3
         double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
         double share = 1;              // of the volume of all bodies in it
         double uneven = 1;             // factor of its rate of volume change
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
-        double byParticles = 0;        // what of the mean acts by the particles
         double taken = 0;              // flux of holes beside it, m3/s
-        double shared = 0;      // m3, of the volume that it shares with a body of another group (SharedCells)
-        Vec<Dim> centre, slope; // of the particles; of the mean, 1/m
+        double shared = 0; // m3, of the volume that it shares with a body of another group (SharedCells)
+        Vec<Dim> centre;   // of the particles
     };
 
-    // Which particles are in which cell, see ParticleCells; called by all threads, and so is all that takes a region.
+    // Which particles are in which cell, see ParticleCells, and their volume and mean stress; called by all threads, and
+    // so is all that takes a region.
     // mesh: of domains, nullptr: boxes; isAmongBoxes: they fill cells together with boxes, and act by the cells if none
     // was made larger than a cell. (Nodes between the vertices of larger ones have no mass.) half: of the edge of boxes
     // along the first axis, m.
@@ -51,17 +63,16 @@ template <int Dim> class CellAverage {
             resize(particles.size(), grid);
         });
         where_.locate(region, grid);
-        const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
-            if (where_.stay())
-                forOccupied(firstSlab, endSlab, [](int, Cell& cell) { empty(cell); });
-            else
-                for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
-            forPoints(firstSlab, endSlab, [&](int point, int p, Cell& cell) {
-                if (cell.round != where_.round()) enter(grid, where_[point], cell);
-                cell.volume += volume[p] / where_.points().per(p);
-            });
-            forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.whole; });
+            for (int slab = firstSlab; slab < endSlab; ++slab)
+                if (!where_.hasKept(slab)) enter(grid, slab);
+        });
+        const MeanOfStress mean(particles.stress);
+        average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell) {
+            cell.volume = cell.weight;
+            cell.inside = cell.shared = cell.taken = 0;
+            cell.uneven = 1;
+            cover_[c] = cell.volume / cell.whole;
         });
     }
     // How far each cell lies inside the material, and what share of it is this body's. others: located bodies that
@@ -107,36 +118,27 @@ template <int Dim> class CellAverage {
     bool isLocated(int particles) const { return where_.areLocated(particles); }
     void forget() { where_.forget(); }
 
-    // Of each particle: the value to be averaged.
+    // Of each particle: what is averaged, or given by the cells.
     double* values() { return value_.data(); }
-    // Mean over the points of particle p of f(cell, point).
-    template <class F> double over(int p, F&& f) const {
-        const int per = where_.points().per(p), first = where_.points().at(p);
-        if (per == 1) return f(cells_[where_[first]], first);
-        double sum = 0;
-        for (int point = first; point < first + per; ++point) sum += f(cells_[where_[point]], point);
-        return sum / per;
+    // The value of the particles in cell c becomes f(p); of a particle in several cells, after collect() of its chunk, the
+    // mean of what its points are given.
+    template <class F> void give(int c, F&& f) {
+        double* to = given_.empty() ? value_.data() : given_.data();
+        forPoints(c, [&](int point, int p) { to[point] = f(point, p); });
     }
-    double meanAt(int p) const {
-        return over(p, [](const Cell& cell, int) { return cell.mean; });
-    }
-    // From a value to the mean, linear in its cells.
-    double changeToLinear(int p, double value) const {
-        return over(p, [&](const Cell& cell, int point) {
-            double change = cell.mean - value;
-            for (int k = 0; k < Dim; ++k)
-                change += cell.slope[k] * (where_.points().position(p, point, k) - cell.centre[k]);
-            return change;
-        });
+    void collect(int begin, int end) {
+        if (given_.empty()) return;
+        for (int p = begin; p < end; ++p) {
+            const double* first = &given_[where_.points().at(p)];
+            const int per = where_.points().per(p);
+            value_[p] = std::accumulate(first, first + per, 0.0) / per;
+        }
     }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
     // of them takes or gives anything. Known for domains of meshes only.
     bool areAlone(int begin) const { return where_.areAlone(begin); }
     // The cell of a number, where particles are in it; nullptr: none are.
-    Cell* occupied(int number) {
-        const bool has = !cells_.empty() && cells_[number].round == where_.round();
-        return has ? &cells_[number] : nullptr;
-    }
+    Cell* occupied(int number) { return where_.has(number) ? &cells_[number] : nullptr; }
     // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
     double coverOf(int number) const { return cover_[number] > 0 ? cover_[number] : where_.hasLone(number); }
     const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
@@ -148,39 +150,39 @@ template <int Dim> class CellAverage {
                        [&](int, int p, int cell) { f(p, cell); });
     }
 
-    // Means of the values, weighted with a volume of each particle; withCentres: also the centre of the particles.
+    // Means of of(p), weighted with a volume of each particle; withCentres: also the centre of the particles.
     // finish(number, cell) for each cell. What is alone is left out.
-    template <bool withCentres, class Finish>
-    void average(ParallelRegion& region, const double* volume, Finish&& finish) {
+    template <bool withCentres, class Of, class Finish>
+    void average(ParallelRegion& region, const double* volume, Of&& of, Finish&& finish) {
         const auto& points = where_.points();
-        forOwn(region, [&](int firstSlab, int endSlab) {
-            forOccupied(firstSlab, endSlab, [&](int, Cell& cell) {
-                cell.weight = cell.mean = 0;
-                if (withCentres) cell.centre.setZero();
+        forOwnCells(region, [&](int c, Cell& cell) {
+            double weight = 0, sum = 0, centre[Dim] = {};
+            forPoints(c, [&](int point, int p) {
+                const double V = volume[p] * points.partPer(p);
+                weight += V;
+                sum += V * of(p);
+                for (int k = 0; k < Dim && withCentres; ++k) centre[k] += V * points.position(p, point, k);
             });
-            forPoints(firstSlab, endSlab, [&](int point, int p, Cell& cell) {
-                const double V = volume[p] / points.per(p);
-                cell.weight += V;
-                cell.mean += V * value_[p];
-                for (int k = 0; k < Dim && withCentres; ++k)
-                    cell.centre[k] += V * points.position(p, point, k);
-            });
-            forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) {
-                if (cell.weight == 0) return; // its particles are alone
-                cell.mean /= cell.weight;
-                if (withCentres) cell.centre /= cell.weight;
-                finish(c, cell);
-            });
+            cell.weight = weight;
+            cell.mean = sum / weight;
+            for (int k = 0; k < Dim && withCentres; ++k) cell.centre[k] = centre[k] / weight;
+            finish(c, cell);
         });
     }
 
-    // Along each axis the mean of the slopes to both neighbours, at most twice the smaller one (the monotonised central
-    // difference of van Leer 1977). Zero at an extremum and where a neighbour is empty.
-    void findSlopes(ParallelRegion& region, const Grid<Dim>& grid) {
-        forOwnCells(region, [&](int number, Cell& cell) {
-            for (int k = 0; k < Dim; ++k)
-                cell.slope[k] =
-                    slope(cells_[number - grid.strides[k]], cell, cells_[number + grid.strides[k]], k);
+    // Gives the particles the mean, linear in the cells, less their value. Its slope is along each axis the mean of those to
+    // both neighbours, at most twice the smaller one (the monotonised central difference of van Leer 1977). Zero at an
+    // extremum and where a neighbour is empty.
+    void giveLinear(ParallelRegion& region, const Grid<Dim>& grid) {
+        forOwnCells(region, [&](int c, const Cell& cell) {
+            double slopes[Dim];
+            for (int k = 0; k < Dim; ++k) slopes[k] = slope(c, grid.strides[k], k);
+            give(c, [&](int point, int p) {
+                double change = cell.mean - value_[p];
+                for (int k = 0; k < Dim; ++k)
+                    change += slopes[k] * (where_.points().position(p, point, k) - cell.centre[k]);
+                return change;
+            });
         });
     }
 
@@ -269,31 +271,26 @@ template <int Dim> class CellAverage {
 
     void resize(int particles, const Grid<Dim>& grid) {
         value_.resize(particles);
+        given_.resize(where_.points().isInParts() ? where_.points().size() : 0);
         cells_.resize(grid.count);
         cover_.resize(grid.count);
         for (auto& component : acting_) component.resize(grid.count);
-        occupied_.resize(grid.slabs());
         holes_.resize(grid.slabs());
         sparse_.resize(grid.slabs());
         extents_.resize(grid.slabs());
     }
 
-    void clear(int slab) {
-        for (int c : occupied_[slab]) {
-            cover_[c] = 0;
-            for (auto& component : acting_) component[c] = 0;
-        }
-        occupied_[slab].clear();
+    // The cells of a slab that particles have come to or left.
+    void enter(const Grid<Dim>& grid, int slab) {
+        const int size = int(cells_.size()) / grid.slabs();
+        std::fill_n(cover_.begin() + slab * size, size, 0.0);
+        for (auto& component : acting_) std::fill_n(component.begin() + slab * size, size, 0.0);
         extents_[slab] = Extent();
-    }
-
-    void enter(const Grid<Dim>& grid, int number, Cell& cell) {
-        cell.round = where_.round();
-        cell.edges = grid.edges(number);
-        cell.whole = grid.volume(number);
-        empty(cell);
-        occupied_[where_.slabOf(number)].push_back(number);
-        extents_[where_.slabOf(number)].include(only(grid, number));
+        for (int c : where_.occupied(slab)) {
+            cells_[c].edges = grid.edges(c);
+            cells_[c].whole = grid.volume(c);
+            extents_[slab].include(only(grid, c));
+        }
     }
     static void leaveToParticles(Cell& cell) {
         cell.inside = 0;
@@ -316,11 +313,11 @@ template <int Dim> class CellAverage {
     void addUp(ParallelRegion& region, const std::vector<CellAverage*>& others) {
         region.once([&] { total_.resize(cover_.size()); });
         forOwn(region, [&](int firstSlab, int endSlab) {
-            const int slabs = int(occupied_.size()), size = int(cover_.size()) / slabs;
+            const int slabs = int(extents_.size()), size = int(cover_.size()) / slabs;
             for (int slab = firstSlab; slab < endSlab; ++slab) {
                 bool isNear = false;
                 for (int s = std::max(0, slab - 2); s < std::min(slabs, slab + 3); ++s)
-                    isNear |= !occupied_[s].empty();
+                    isNear |= !where_.occupied(s).empty();
                 if (!isNear) continue;
                 for (int c = slab * size; c < (slab + 1) * size; ++c) total_[c] = coverOf(c);
                 for (const CellAverage* other : others)
@@ -335,35 +332,25 @@ template <int Dim> class CellAverage {
             if (Cell* cell = occupied(number); cell && cell->shared == 0) f(*cell, part);
     }
 
-    static void empty(Cell& cell) {
-        cell.volume = cell.inside = cell.mean = cell.shared = cell.taken = 0;
-        cell.uneven = 1;
-        cell.centre.setZero();
-        cell.slope.setZero();
-    }
-
     template <class F> void forOwn(ParallelRegion& region, F&& f) const { where_.forOwn(region, f); }
-    // f(point, particle, its cell) for those in some slabs, in their order, but for what is alone.
-    template <class F> void forPoints(int firstSlab, int endSlab, F&& f) {
-        where_.forEach(firstSlab, endSlab, [&](int point, int p, int cell) { f(point, p, cells_[cell]); });
-    }
-    template <class F> void forOccupied(int firstSlab, int endSlab, F&& f) {
-        for (int slab = firstSlab; slab < endSlab; ++slab)
-            for (int c : occupied_[slab]) f(c, cells_[c]);
-    }
+    template <class F> void forPoints(int cell, F&& f) const { where_.forPoints(cell, f); }
     template <class F> void forOwnCells(ParallelRegion& region, F&& f) {
-        forOwn(region, [&](int firstSlab, int endSlab) { forOccupied(firstSlab, endSlab, f); });
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            for (int slab = firstSlab; slab < endSlab; ++slab)
+                for (int c : where_.occupied(slab)) f(c, cells_[c]);
+        });
     }
 
-    double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
-        if (before.round != where_.round() || after.round != where_.round()) return 0;
+    double slope(int number, int stride, int axis) const {
+        if (!where_.has(number - stride) || !where_.has(number + stride)) return 0;
+        const Cell &before = cells_[number - stride], &cell = cells_[number],
+                   &after = cells_[number + stride];
         const auto between = [&](const Cell& a, const Cell& b) {
             return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
         };
-        if (before.weight == 0 || after.weight == 0 || cell.weight == 0) return 0;
         const double left = between(before, cell), right = between(cell, after), both = 0.5 * (left + right);
-        if (left * right <= 0) return 0;
-        return std::copysign(std::min({std::abs(both), 2 * std::abs(left), 2 * std::abs(right)}), both);
+        const double least = std::min(std::abs(both), 2 * std::min(std::abs(left), std::abs(right)));
+        return left * right > 0 ? std::copysign(least, both) : 0;
     }
 
     template <bool isAxisymmetric> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
@@ -387,14 +374,14 @@ template <int Dim> class CellAverage {
     int measured_ = -1;         // found when there were so many domains
     double half_ = 0;           // of the edge of boxes along the first axis, m
     std::vector<double> value_; // of particles
+    std::vector<double> given_; // to the points of those that count in parts
     std::vector<Cell> cells_;
     std::vector<double> cover_,
         total_; // of each cell of the grid: volume of the particles over its own; of all bodies
     std::vector<double> acting_[Dim]; // of each cell, see actByCell()
     Holes<Dim> holes_;
-    std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
-    std::vector<std::vector<int>> sparse_;   // those whose corners may have no mass
-    std::vector<Extent> extents_;            // of these
+    std::vector<std::vector<int>> sparse_; // those whose corners may have no mass
+    std::vector<Extent> extents_;          // of these
 };
 
 } // namespace mpm

@@ -34,10 +34,13 @@ template <int Dim> class CellPoints {
         for (int k = 0; k < Dim; ++k) grid.addCells(k, centre_[k] + begin, end - begin, cells);
     }
 
+    bool isInParts() const { return mesh_; }
     int size() const { return most_ * particles_; }
     // The points of particle p are [at(p), at(p) + per(p)).
     int at(int p) const { return most_ * p; }
+    int particleOf(int point) const { return mesh_ ? point / most_ : point; }
     int per(int p) const { return mesh_ ? per_[p] : 1; }
+    double partPer(int p) const { return mesh_ ? 1.0 / per_[p] : 1; } // of the particle
     double position(int p, int point, int axis) const {
         return per(p) == 1 ? centre_[axis][p] : parts_[axis][point];
     }

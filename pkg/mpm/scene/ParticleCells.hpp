@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Which cell of the grid each point of a body is in (CellPoints), for sums cell by cell. Slabs of the grid belong to
-// threads, and each goes through the points in their order: the same sums on any number of threads.
+// Which cell of the grid each point of a body is in (CellPoints), and which points are in each cell, for sums cell by
+// cell. Slabs of the grid belong to threads, and a cell has its points in their order: the same sums on any number of
+// threads. In most steps few points enter another cell, and only the slabs of these are listed anew.
 #pragma once
 
 #include "mpm/scene/CellPoints.hpp"
 #include "mpm/scene/LoneDomains.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace mpm {
@@ -17,8 +19,8 @@ template <int Dim> class ParticleCells {
     // parts.
     void start(const Particles<Dim>& particles, const Grid<Dim>& grid, bool mayBeAlone, Mesh<Dim>* inParts) {
         points_.start(particles, inParts);
-        stays_ = round_ > 0 && mayBeAlone_ == mayBeAlone && int(cell_.size()) == points_.size() &&
-                 particles_ == particles.size();
+        isKept_ = mayBeAlone_ == mayBeAlone && int(cell_.size()) == points_.size() &&
+                  particles_ == particles.size() && int(isListed_.size()) == grid.slabs();
         mayBeAlone_ = mayBeAlone;
         located_ = true;
         particles_ = particles.size();
@@ -26,28 +28,47 @@ template <int Dim> class ParticleCells {
         cell_.resize(points_.size());
         const int chunks = chunksOf(particles_);
         slabsOf_.resize(chunks);
-        hasChanged_.resize(chunks);
+        changed_.resize(chunks);
+        inCell_.resize(grid.count);
+        occupied_.resize(grid.slabs());
+        lists_.resize(grid.slabs());
+        isListed_.resize(grid.slabs());
     }
-    // Called by all threads. In most steps no point of a body that hardly moves enters another cell: then all stays.
+    // Called by all threads.
     void locate(ParallelRegion& region, const Grid<Dim>& grid) {
         region.chunks(particles_, [&](int begin, int end) { findCells(grid, begin, end); });
         region.once([&] {
-            stays_ &=
-                std::none_of(hasChanged_.begin(), hasChanged_.end(), [](char changed) { return changed; });
-            if (stays_) return;
-            ++round_;
-            divide(grid.slabs());
+            const bool hasChanged = std::any_of(changed_.begin(), changed_.end(),
+                                                [](const Range& slabs) { return !slabs.isEmpty(); });
+            isKept_ = isKept_ && !(mayBeAlone_ && hasChanged); // who is alone depends on others
+            std::fill(isListed_.begin(), isListed_.end(), isKept_);
+            for (const Range& slabs : changed_)
+                for (int slab = slabs.first; slab <= slabs.last; ++slab) isListed_[slab] = false;
+            if (hasChanged || !isKept_) divide(grid.slabs());
         });
-        if (mayBeAlone_ && !stays_) lone_.find(region, grid, cell_);
+        if (mayBeAlone_ && !isKept_) lone_.find(region, grid, cell_);
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            for (int slab = firstSlab; slab < endSlab; ++slab) {
+                const int first = slab;
+                while (slab < endSlab && !isListed_[slab]) ++slab;
+                if (slab > first) list(first, slab);
+            }
+        });
     }
     // Whether start() was called for so many since forget().
     bool areLocated(int particles) const { return located_ && particles_ == particles; }
     void forget() { located_ = false; }
 
-    // Number of calls of locate() so far in which a point was in another cell than before, and whether none was in
-    // the last one.
-    long round() const { return round_; }
-    bool stay() const { return stays_; }
+    // Whether locate() has found the points of a slab in the cells where they were.
+    bool hasKept(int slab) const { return isListed_[slab]; }
+    // The cells of a slab that points are in.
+    const std::vector<int>& occupied(int slab) const { return occupied_[slab]; }
+    bool has(int cell) const { return !inCell_.empty() && inCell_[cell].count > 0; }
+    // f(point, its particle) for those in a cell.
+    template <class F> void forPoints(int cell, F&& f) const {
+        const Points& in = inCell_[cell];
+        for (int i = 0; i < in.count; ++i) f(in.first[i], points_.particleOf(in.first[i]));
+    }
 
     const CellPoints<Dim>& points() const { return points_; }
     int operator[](int point) const { return cell_[point]; }
@@ -73,18 +94,51 @@ template <int Dim> class ParticleCells {
 
   private:
     struct Range {
-        int first, last;
+        int first = 0, last = -1;
+        bool isEmpty() const { return last < first; }
     };
+    struct Points {
+        int* first = nullptr; // in lists_
+        int count = 0;
+    };
+    // The points of some slabs, cell by cell.
+    void list(int firstSlab, int endSlab) {
+        for (int slab = firstSlab; slab < endSlab; ++slab) {
+            for (int cell : occupied_[slab]) inCell_[cell].count = 0;
+            occupied_[slab].clear();
+        }
+        forEach(firstSlab, endSlab, [&](int, int, int cell) {
+            if (inCell_[cell].count++ == 0) occupied_[slabOf(cell)].push_back(cell);
+        });
+        for (int slab = firstSlab; slab < endSlab; ++slab) {
+            size_t size = 0;
+            for (int cell : occupied_[slab]) size += inCell_[cell].count;
+            lists_[slab].resize(size);
+            int* first = lists_[slab].data();
+            for (int cell : occupied_[slab]) {
+                inCell_[cell].first = first;
+                first += std::exchange(inCell_[cell].count, 0);
+            }
+        }
+        forEach(firstSlab, endSlab, [&](int point, int, int cell) {
+            Points& in = inCell_[cell];
+            in.first[in.count++] = point;
+        });
+    }
     // Of particles [begin, end), a chunk.
     void findCells(const Grid<Dim>& grid, int begin, int end) {
         int found[corners<Dim> * chunkSize];
         points_.place(grid, begin, end, found);
         const int c = begin / chunkSize, first = points_.at(begin), count = points_.at(end) - first;
-        hasChanged_[c] = !std::equal(found, found + count, cell_.begin() + first);
-        if (!hasChanged_[c]) return;
+        changed_[c] = {};
+        if (std::equal(found, found + count, cell_.begin() + first)) return;
         std::copy(found, found + count, cell_.begin() + first);
         const auto extremes = std::minmax_element(found, found + count);
-        slabsOf_[c] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
+        const Range before = slabsOf_[c], now{*extremes.first / slabSize_, *extremes.second / slabSize_};
+        changed_[c] = before.isEmpty()
+                          ? now
+                          : Range{std::min(before.first, now.first), std::max(before.last, now.last)};
+        slabsOf_[c] = now;
     }
 
     // The slabs among the threads.
@@ -96,14 +150,17 @@ template <int Dim> class ParticleCells {
 
     int particles_ = 0;
     int slabSize_ = 0; // nodes in a slab of the grid
-    long round_ = 0;
-    bool located_ = false, stays_ = false, mayBeAlone_ = false;
+    bool located_ = false, mayBeAlone_ = false;
+    bool isKept_ = false; // whether the lists hold but for slabs that points of chunks have changed in
     CellPoints<Dim> points_;
     LoneDomains<Dim> lone_;
-    std::vector<char> hasChanged_; // of each chunk, whether a point entered another cell
-    std::vector<Range> slabsOf_;   // of each chunk
-    std::vector<int> cell_;        // of each point
-    WorkPartition partition_;      // of the slabs
+    std::vector<Range> slabsOf_, changed_;   // of each chunk; in which a point has entered another cell
+    std::vector<int> cell_;                  // of each point
+    std::vector<Points> inCell_;             // of each cell of the grid
+    std::vector<std::vector<int>> occupied_; // of each slab: its cells with points,
+    std::vector<std::vector<int>> lists_;    // its points, cell by cell,
+    std::vector<char> isListed_;             // and whether these are those of the last step
+    WorkPartition partition_;                // of the slabs
 };
 
 } // namespace mpm

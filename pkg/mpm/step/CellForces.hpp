@@ -16,15 +16,12 @@ namespace mpm {
 
 class CellForces {
   public:
-    // Finds the mean stress in each cell; called by all threads, as what follows.
+    // Finds the mean stress in each cell where it has changed since they were located; called by all threads, as what
+    // follows.
     template <int Dim> static void findMeans(ParallelRegion& region, Body<Dim>& body) {
-        const double* stress[3];
-        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
-        region.chunks(body.particles.size(), [&](int begin, int end) {
-            double* mean = body.cellAverage.values();
-            for (int p = begin; p < end; ++p) mean[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
-        });
-        body.cellAverage.template average<false>(region, body.particles.volume.plane(), [](int, auto&) {});
+        const MeanOfStress mean(body.particles.stress);
+        body.cellAverage.template average<false>(region, body.particles.volume.plane(), mean,
+                                                 [](int, auto&) {});
     }
 
     // Then takes the part that acts by cells out of what the particles of a body give in addSum().
@@ -36,8 +33,7 @@ class CellForces {
         region.once([&] {
             for (int k = 0; k < axes; ++k) diagonal_[k].resize(n);
         });
-        const double* stress[3];
-        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
+        const MeanOfStress mean(body.particles.stress);
         cells.forEach(region, [&](int c, auto& cell) {
             const bool isShared = cell.shared > 0;
             const double whole = isShared ? cell.shared : cell.share * cell.whole;
@@ -46,16 +42,15 @@ class CellForces {
             const double acting = cell.inside * volume * cell.mean;
             if (isShared) shared.act(c, acting);
             cells.actByCell(c, (isShared ? 0 : acting) * cell.edges.cwiseInverse());
-            cell.byParticles = outside * volume / cell.weight * cell.mean;
+            const double byParticles = outside * volume / cell.weight * cell.mean;
+            cells.give(c, [&](int, int p) { return byParticles - mean(p); });
         });
         cells.actByHoles(region, grid);
         region.chunks(n, [&](int begin, int end) {
-            const double* mean = cells.values();
-            for (int p = begin; p < end; ++p) {
-                const double by =
-                    cells.over(p, [](const auto& cell, int) { return cell.byParticles; }) - mean[p];
-                for (int k = 0; k < axes; ++k) diagonal_[k][p] = stress[k][p] + by;
-            }
+            cells.collect(begin, end);
+            const double* change = cells.values();
+            for (int k = 0; k < axes; ++k)
+                for (int p = begin; p < end; ++p) diagonal_[k][p] = mean.diagonal[k][p] + change[p];
         });
         region.once([&] {
             for (int k = 0; k < axes; ++k) body.domains->diagonal[k] = diagonal_[k].data();

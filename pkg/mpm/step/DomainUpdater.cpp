@@ -11,18 +11,6 @@
 
 namespace mpm {
 
-namespace {
-
-void traces(const Field& stress, int begin, int end, double* trace) {
-    std::fill(trace, trace + end - begin, 0.0);
-    for (int k = 0; k < 3; ++k) {
-        const double* diagonal = stress.plane(4 * k);
-        for (int p = begin; p < end; ++p) trace[p - begin] += diagonal[p];
-    }
-}
-
-} // namespace
-
 class DomainUpdater : public EngineOf<DomainUpdater> {
   public:
     std::string className() const override { return "DomainUpdater"; }
@@ -63,6 +51,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
             if (!scene.scheme->stressFirst) return;
             region.wait();
+            for (auto& body : scene.bodies)
+                if (actsByCells(*body)) CellForces::findMeans(region, *body);
             sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -187,7 +177,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         if (byCells && scene.sharedCells->isWanted)
             region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
-        cells.template average<false>(region, volume, [&](int number, auto& cell) {
+        const auto of = [&](int p) { return value[p]; };
+        cells.template average<false>(region, volume, of, [&](int number, auto& cell) {
             const double s = cell.inside;
             const double shared = cell.shared == 0 ? 0 : scene.sharedCells->rate(number);
             if (cell.shared > 0)
@@ -197,25 +188,29 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                     cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
             if (cell.shared < 0)
                 cell.mean = scene.sharedCells->openRate(number, -cell.shared, dt, cell.mean, shared);
+            cells.give(number, [&](int, int p) { return cell.mean - value[p]; });
         });
+        const MeanOfStress mean(body.particles.stress);
+        const auto takeMeans = [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) value[p] = mean(p);
+        };
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {
                 gradient(begin, end);
                 std::fill(value + begin, value + end, 0.0);
                 return rest(begin, end);
             }
-            for (int p = begin; p < end; ++p) value[p] = cells.meanAt(p) - value[p];
+            cells.collect(begin, end);
             const VelocityGradient<N> L(body.particles, begin);
             if (byCells) toTraces(L, dt, end - begin, value + begin);
             rest(begin, end);
+            takeMeans(begin, end);
         });
         wholeBody();
-        if (body.material->volumeRecord().opening >= 0) shareOpening<N>(region, body);
-        region.chunks(n, [&](int begin, int end) {
-            if (!cells.areAlone(begin)) traces(body.particles.stress, begin, end, value + begin);
-        });
-        cells.template average<true>(region, volume, [](int, auto&) {});
-        cells.findSlopes(region, scene.grid);
+        const bool hasOpened = body.material->volumeRecord().opening >= 0 && shareOpening<N>(region, body);
+        if (hasOpened || body.material->takesWholeBody()) region.chunks(n, takeMeans);
+        cells.template average<true>(region, volume, of, [](int, auto&) {});
+        cells.giveLinear(region, scene.grid);
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) takeLinear(body, begin, end);
         });
@@ -224,7 +219,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the
     // cell does: o = ln(sum V exp(o)/sum V), with V the solid volume, which is what a box keeps. An opening
     // is room: boxes have at most what their solid volume leaves free in the cell.
-    template <int N, int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body) {
+    // Returns whether any does.
+    template <int N, int Dim> bool shareOpening(ParallelRegion& region, Body<Dim>& body) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const bool areBoxes = body.domains->boxes();
@@ -232,25 +228,30 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         double *opening = body.particles.state[body.material->volumeRecord().opening].plane(),
                *share = cells.values();
         region.once([&] { isOpen_ = std::any_of(opening, opening + n, [](double o) { return o > 0; }); });
-        if (!isOpen_) return;
+        if (!isOpen_) return false;
         region.chunks(n, [&](int begin, int end) {
             for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(opening[p]) : 1.0;
         });
-        cells.template average<false>(region, body.particles.volume.plane(), [&](int, auto& cell) {
-            if (areBoxes)
-                cell.mean = std::min(cell.mean, mostOpen * std::max(1.0, roomIn(cell) / cell.weight));
-        });
+        const auto bulk = [&](int p) { return share[p]; };
+        cells.template average<false>(
+            region, body.particles.volume.plane(), bulk, [&](int number, auto& cell) {
+                if (areBoxes)
+                    cell.mean = std::min(cell.mean, mostOpen * std::max(1.0, roomIn(cell) / cell.weight));
+                cells.give(number, [&](int, int) { return cell.mean; });
+            });
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
+            cells.collect(begin, end);
             bool isChanged = false;
             for (int p = begin; p < end; ++p) {
-                const double mean = cells.meanAt(p), now = mean > 1 + roundOff ? std::log(mean) : 0;
+                const double mean = share[p], now = mean > 1 + roundOff ? std::log(mean) : 0;
                 share[p] = now - opening[p];
                 isChanged |= share[p] != 0;
                 opening[p] = now;
             }
             if (isChanged) areBoxes ? dilate<N>(body, begin, end, share) : contract(body, begin, end, share);
         });
+        return true;
     }
     // Bulk over solid volume of boxes that fill a cell by their centres, which may be a tenth less than what
     // is in it. With 1 the pressure of cells with one box too many drives flows on: columns run out by 18 %
@@ -282,18 +283,17 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // The mean stress of particles [begin, end) becomes linear in their cells, while their volume stays: what the
     // elastic strain of one has gained, its plastic strain has lost to others of the cell.
     template <int Dim> static void takeLinear(Body<Dim>& body, int begin, int end) {
-        double *stress[3], *value = body.cellAverage.values(); // traces, then changes of the mean
+        double *stress[3], *change = body.cellAverage.values();
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
-        for (int p = begin; p < end; ++p) {
-            value[p] = body.cellAverage.changeToLinear(p, value[p]) / 3;
-            for (int k = 0; k < 3; ++k) stress[k][p] += value[p];
-        }
+        body.cellAverage.collect(begin, end);
+        for (int k = 0; k < 3; ++k)
+            for (int p = begin; p < end; ++p) stress[k][p] += change[p];
         const int plastic = body.material->volumeRecord().plasticStrain;
         if (plastic < 0) return;
         double lambda[chunkSize], mu[chunkSize], *strain = body.particles.state[plastic].plane();
         body.stiffness(begin, end, lambda, mu);
         for (int p = begin; p < end; ++p)
-            strain[p] -= value[p] / (lambda[p - begin] + 2.0 / 3 * mu[p - begin]);
+            strain[p] -= change[p] / (lambda[p - begin] + 2.0 / 3 * mu[p - begin]);
     }
 };
 

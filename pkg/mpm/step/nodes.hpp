@@ -53,13 +53,17 @@ std::vector<int> withMasslessCorners(const Scene<Dim>& scene, int field, std::ve
     std::vector<double> mass(grid.count);
     for (auto& body : scene.bodies) {
         const auto& particles = body->particles;
-        for (int p = 0; body->velocityField == field && p < particles.size(); ++p) {
-            int cell = 0;
-            for (int k = 0; k < Dim; ++k) grid.addCells(k, particles.position.plane(k) + p, 1, &cell);
-            if (!isNear[cell]) continue;
-            body->domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
-                mass[node] += phi * body->inertiaScale * particles.mass.plane()[p];
-            });
+        for (int begin = 0; body->velocityField == field && begin < particles.size(); begin += chunkSize) {
+            const int count = std::min(chunkSize, particles.size() - begin);
+            int cell[chunkSize] = {};
+            for (int k = 0; k < Dim; ++k) grid.addCells(k, particles.position.plane(k) + begin, count, cell);
+            for (int i = 0; i < count; ++i) {
+                if (!isNear[cell[i]]) continue;
+                const double inertia = body->inertiaScale * particles.mass.plane()[begin + i];
+                body->domains->weights(begin + i, [&](int node, double phi, const Vec<Dim>&) {
+                    mass[node] += phi * inertia;
+                });
+            }
         }
     }
     const auto isWhole = [&, least = scene.leastMass()](int cell) {
@@ -139,8 +143,6 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
     };
     // Which cells are shared depends on the masses of the bodies that do not act by cells: those come first then.
     const auto comesLater = [&](const Body<Dim>& body) { return isShared && actsByCells(body); };
-    for (auto& body : scene.bodies)
-        if (actsByCells(*body) && (withForce || isShared)) CellForces::findMeans(region, *body);
     for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (!comesLater(*scene.bodies[b])) add(b);
     if (!isShared) return;

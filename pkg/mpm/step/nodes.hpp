@@ -60,9 +60,8 @@ std::vector<int> withMasslessCorners(const Scene<Dim>& scene, int field, std::ve
             for (int i = 0; i < count; ++i) {
                 if (!isNear[cell[i]]) continue;
                 const double inertia = body->inertiaScale * particles.mass.plane()[begin + i];
-                body->domains->weights(begin + i, [&](int node, double phi, const Vec<Dim>&) {
-                    mass[node] += phi * inertia;
-                });
+                body->domains->weights(
+                    begin + i, [&](int node, double phi, const Vec<Dim>&) { mass[node] += phi * inertia; });
             }
         }
     }

@@ -52,12 +52,9 @@ def test_results_stand_in_histories_files_and_pictures(tmp_path):
     assert history["excess"][-1] == pytest.approx(GAMMA / 4, rel=1e-3)
     assert history["flow"][-1] == pytest.approx(K / 4, rel=1e-3)
     frame = mpm.read(file)[-1]
-    assert {name: frame.units[name] for name in ("porePressure", "excessPressure", "head", "flowVelocity")} == {
-        "porePressure": "kPa",
-        "excessPressure": "kPa",
-        "head": "m",
-        "flowVelocity": "m/s",
-    }
+    assert {
+        name: frame.units[name] for name in ("porePressure", "excessPressure", "head", "flowVelocity")
+    } == {"porePressure": "kPa", "excessPressure": "kPa", "head": "m", "flowVelocity": "m/s"}
     wet = frame.body("soil")
     assert wet["excessPressure"] == pytest.approx(GAMMA * (wet["head"] - 2), rel=1e-9)
     assert np.isnan(frame.body("roof")["head"]).all()

@@ -81,8 +81,8 @@ def initialStress(
             raise TypeError(f"initialStress: {shown(body)} among the bodies is not a body; {instead}")
     solid = [b for b in scene.bodies if b.count and not isBeam(b.material)]
     ground = bodies or [b for b in solid if b.position[:, -1].max() < surface]
-    if not ground:
-        raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
+    if not any(body.count for body in ground):
+        raise ValueError(f"initialStress: {_whyNone([] if bodies else solid, surface)}")
     if wet := [b.name for b in ground if b._core.hasPores]:
         raise ValueError(
             f"initialStress: '{wet[0]}' has water; call scene.groundStress(K0=...), which knows its buoyancy"
@@ -120,6 +120,25 @@ def initialStress(
     if not bodies:
         _warnOfCut(scene, ground, surface)
     _warnOfInclined(scene, layers, made)
+
+
+def _whyNone(solid, surface):
+    """Why no body is ground below a surface, and what to do."""
+    if not solid:
+        return "there is no body with particles; call it after scene.add"
+    axis = "xyz"[solid[0].scene.dim - 1]
+    lowest = min(solid, key=lambda body: body.position[:, -1].min())
+    top = _topOf(lowest)[0]
+    if lowest.position[:, -1].min() >= surface:
+        bottom = lowest.corners()[..., -1].min()
+        return (
+            f"no body lies below the surface {surface:g} m: the lowest, '{lowest.name}', begins at {axis} = "
+            f"{bottom:g} m; give the height of the ground along {axis}"
+        )
+    return (
+        f"body '{lowest.name}' rises above the surface {surface:g} m, to {axis} = {top:g} m; give that "
+        f"height as surface, or name the ground by bodies=[scene['{lowest.name}']]"
+    )
 
 
 def _warnOfSurface(ground, alike, surface, weight):

@@ -103,3 +103,18 @@ def test_a_refused_weight_changes_no_mass():
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+@pytest.mark.parametrize("dim, axis", [(2, "y"), (3, "z")])
+def test_a_surface_that_is_not_the_top_of_the_ground_is_refused_with_the_reason(dim, axis):
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)
+    with pytest.raises(ValueError, match="there is no body with particles; call it after scene.add"):
+        scene.initialStress(surface=2, K0=0.5)
+    scene.add("soil", mpm.box((0,) * (dim - 1) + (1,), (4,) * (dim - 1) + (3,)), sand(1.9), mpm.UGIMP())
+    with pytest.raises(
+        ValueError, match=f"'soil' rises above the surface 2 m, to {axis} = 3 m; give that height"
+    ):
+        scene.initialStress(surface=2, K0=0.5)
+    with pytest.raises(ValueError, match=f"no body lies below the surface 1 m: .* begins at {axis} = 1 m"):
+        scene.initialStress(surface=1, K0=0.5)
+    scene.initialStress(surface=3, K0=0.5)

@@ -168,6 +168,27 @@ def thrown(implicit, threads=1):
     return scene, soil, body
 
 
+def test_a_stiff_wall_much_lighter_than_water_is_at_rest_in_wet_soil():
+    """It feels the water's inertia in the same step; felt a step late, that throws the soil about: 11 m/s."""
+    h, middle = 0.25, 1.25
+    scene = mpm.Scene((0, 0), (2.5, 3), h, gravity=GAMMA)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    clay = mpm.MohrCoulomb(
+        density=2.0, young=1e4, poisson=0.3, cohesion=5, frictionAngle=radians(23), dilatancyAngle=0
+    )
+    shape = box((middle - h / 2, 0.5), (middle + h / 2, 3))
+    water = mpm.PoreWater(table=2.5, permeability=1e-7)
+    soil = scene.add("soil", box((0, 0), (2.5, 2.5)) - shape, clay, mpm.UGIMP(), water=water)
+    light = mpm.LinearElastic(density=0.25, young=2e7, poisson=0.2)
+    wall = scene.add("wall", shape, light, mpm.APDI(size=h / 2), implicit=True)
+    scene.contact(wall, soil, friction=0.3)
+    scene.groundStress(K0=0.5, bodies=[soil])
+    scene.run(steps=120, progress=False)
+    assert np.abs(soil.velocity).max() < 0.05
+    assert np.abs(water.excess(soil)).max() < 30
+
+
 def momentum(*bodies):
     return sum((body.mass[:, None] * body.velocity).sum(axis=0) for body in bodies)
 

@@ -208,6 +208,13 @@ void ImplicitBodies::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>&
 }
 
 template <int Dim>
+void ImplicitBodies::strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                            const std::vector<Vec<Dim>>& impulses) {
+    auto& systems = std::get<State<Dim>>(states_).systems;
+    for (size_t s = 0; s < systems.size(); ++s) systems[s].strain(scene, response, int(s), impulses);
+}
+
+template <int Dim>
 void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
                           const std::vector<Vec<Dim>>& given, const std::vector<Vec<Dim>>& unfelt) {
     State<Dim>& state = std::get<State<Dim>>(states_);
@@ -234,7 +241,7 @@ template <int Dim> void ImplicitBodies::strainNeighbours(Scene<Dim>& scene) cons
 
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
-    for (const auto& system : state.systems) system.addEnergies(scene);
+    for (auto& system : state.systems) system.addEnergies(scene);
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         if (!hasBodies(scene, int(f))) continue;
         const auto& field = scene.grid.fields[f];
@@ -259,6 +266,8 @@ template void ImplicitBodies::answer(const Scene<2>&, const ImpulseResponse<2>&,
                                      std::vector<Vec<2>>&);
 template void ImplicitBodies::answer(const Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,
                                      std::vector<Vec<3>>&);
+template void ImplicitBodies::strain(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&);
+template void ImplicitBodies::strain(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&);
 template void ImplicitBodies::take(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
                                    const std::vector<Vec<2>>&);
 template void ImplicitBodies::take(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,

@@ -31,6 +31,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     template <int Dim>
     void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& impulses,
               const std::vector<Vec<Dim>>& unfelt);
+    // Impulses that only strain the bodies: their particles have their velocities.
+    template <int Dim>
+    void strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                const std::vector<Vec<Dim>>& impulses);
 
     // What shares nodes with implicit bodies is strained at these by the velocity that was solved for, as they are:
     // with another one the stiffness of both together would not be symmetric, and what they do to each other would

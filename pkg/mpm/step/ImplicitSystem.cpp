@@ -49,7 +49,8 @@ void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>&
             atStart_[number[entry.node]] += entry.force;
             weight_[number[entry.node]] += entry.weight;
         }
-    for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
+    for (auto* vector : {&velocity_, &force_, &solved_, &straining_})
+        vector->assign(stiffness_.padded(), 0.0);
 }
 
 template <int Dim>
@@ -165,18 +166,32 @@ void ImplicitSystem<Dim>::start(const Scene<Dim>& scene, ImpulseSweep& sweep, in
 }
 
 template <int Dim>
+void ImplicitSystem<Dim>::solveFor(const NF& nodal, const ImpulseResponse<Dim>& response, int body,
+                                   const std::vector<Vec<Dim>>& impulses) {
+    std::fill(solved_.begin(), solved_.end(), 0.0);
+    forUnknowns(nodal, response, body, [&](size_t n, int k, int i) { solved_[i] += impulses[n][k]; });
+    factor_.solve(solved_.data());
+}
+
+template <int Dim>
 void ImplicitSystem<Dim>::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
                                  const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes) {
     const NF& nodal = scene.grid.fields[field];
-    const auto forUnknowns = [&](auto&& visit) { // of the nodes that may move
-        for (size_t n = 0; n < response.nodes.size(); ++n)
-            for (int k = 0; k < Dim && response.nodes[n].body == body; ++k)
-                if (const int i = response.nodes[n].unknown + k; holderOf(nodal, i) < 0) visit(n, k, i);
-    };
-    std::fill(solved_.begin(), solved_.end(), 0.0);
-    forUnknowns([&](size_t n, int k, int i) { solved_[i] += impulses[n][k]; });
-    factor_.solve(solved_.data());
-    forUnknowns([&](size_t n, int k, int i) { changes[n][k] = solved_[i]; });
+    solveFor(nodal, response, body, impulses);
+    forUnknowns(nodal, response, body, [&](size_t n, int k, int i) { changes[n][k] = solved_[i]; });
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
+                                 const std::vector<Vec<Dim>>& impulses) {
+    NF& nodal = scene.grid.fields[field];
+    solveFor(nodal, response, body, impulses);
+    for (int i = 0; i < unknowns(); ++i) {
+        if (holderOf(nodal, i) >= 0) continue;
+        straining_[i] += solved_[i];
+        auto& motion = nodal.motion[nodes[i / Dim]];
+        motion.set(i % Dim, motion[i % Dim] + solved_[i]);
+    }
 }
 
 template <int Dim>
@@ -217,17 +232,19 @@ template <int Dim> void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknow
 }
 
 // Like backward Euler: the forces at the end of the step do more with velocities at the end, which strain, than with
-// the mean ones of the step, and more than their own mean. An implicit body has its velocities at the end, so its weight
-// works with these, too.
-template <int Dim> void ImplicitSystem<Dim>::addEnergies(Scene<Dim>& scene) const {
+// the mean ones of the step, and more than their own mean. So they do with what only strains. An implicit body has its
+// velocities at the end, so its weight works with these, too.
+template <int Dim> void ImplicitSystem<Dim>::addEnergies(Scene<Dim>& scene) {
     const NF& nodal = scene.grid.fields[field];
     const double half = 0.5 * scene.dt * scene.dt;
     double taken = 0, fallen = 0;
+    stiffness_.multiply(straining_.data(), solved_.data());
     for (int i = 0; i < unknowns(); ++i) {
         const double a = nodal.motion[nodes[i / Dim]][NF::acceleration + i % Dim];
         const double atEnd = atStart_[i / Dim][i % Dim] - scene.dt * force_[i];
-        taken += velocity_[i] * force_[i] + a * atEnd;
-        fallen += a * weight_[i / Dim][i % Dim];
+        const double beyond = a + 2 * straining_[i] / scene.dt; // of the mean velocity
+        taken += velocity_[i] * force_[i] + beyond * atEnd - straining_[i] * solved_[i];
+        fallen += beyond * weight_[i / Dim][i % Dim];
     }
     scene.energies.implicit += half * (taken + fallen);
     scene.energies.gravity += half * fallen;

@@ -41,18 +41,22 @@ template <int Dim> class ImplicitSystem {
     // Changes of the velocities of the nodes of a response that are its own, as system number `body`, by impulses on them.
     void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
                 const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes);
+    // Lets the same impulses strain the bodies, and no more.
+    void strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
+                const std::vector<Vec<Dim>>& impulses);
     // Adds what impulses on nodes change in the motion of all.
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
               const std::vector<int>& number);
 
     // What the solution took out of the motion that the nodes have now.
-    void addEnergies(Scene<Dim>& scene) const;
+    void addEnergies(Scene<Dim>& scene);
 
     int unknowns() const { return stiffness_.size(); }
 
   private:
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
+    std::vector<double> straining_;                          // what only strains, m/s
     using Numbered = std::pair<int, const typename StrainedNodes<Dim>::Entry*>;
     std::vector<Numbered> order_; // of the particle in work
     std::vector<Vec<Dim>> atStart_,
@@ -61,6 +65,15 @@ template <int Dim> class ImplicitSystem {
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];
     }
+    // f(place in the response, axis, unknown) for the unknowns that may move.
+    template <class F>
+    void forUnknowns(const NF& nodal, const ImpulseResponse<Dim>& response, int body, F&& f) const {
+        for (size_t n = 0; n < response.nodes.size(); ++n)
+            for (int k = 0; k < Dim && response.nodes[n].body == body; ++k)
+                if (const int i = response.nodes[n].unknown + k; holderOf(nodal, i) < 0) f(n, k, i);
+    }
+    void solveFor(const NF& nodal, const ImpulseResponse<Dim>& response, int body,
+                  const std::vector<Vec<Dim>>& impulses);
     // v and a of a node; returns what gravity gains, kW.
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,

@@ -235,16 +235,12 @@ template <int Dim> void PoreWater::addWork(Scene<Dim>& scene, State<Dim>& state)
 }
 
 // Once more with the velocity that strains the soil, behind Contact: the balance of water closes for what the
-// particles get. Implicit bodies are strained by the velocity of the solution.
+// particles get. The change strains implicit bodies, too. Were they at rest here, they would feel the inertia of the
+// water beside them a step late, and those lighter than it would shake.
 template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (state.fill.wet.empty()) return;
     auto& system = state.system;
-    if (!state.response.nodes.empty()) {
-        system.respond = nullptr;
-        for (auto& node : system.nodes) node.stiffStep.setZero();
-        system.findDiagonal();
-    }
     state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
     for (const Mover& mover : state.movers) {
         const auto& field = scene.grid.fields[mover.group];
@@ -263,6 +259,10 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
         for (int k = 0; k < Dim; ++k)
             if (field.holder[node.number][k] < 0)
                 field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
+    }
+    if (!state.response.nodes.empty()) {
+        findImpulses(scene, state, state.acting);
+        scene.template find<ImplicitBodies>()->strain(scene, state.response, state.impulses);
     }
     std::fill(state.owed.begin(), state.owed.end(), 0.0);
     debt.clear();

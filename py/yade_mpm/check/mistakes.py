@@ -10,7 +10,7 @@ from ..engine.poreWater import PoreWater
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..engine.supports import PointForce, Spring, SurfaceLoad
-from ..material.materials import MaterialPoint, isBeam
+from ..material.materials import MaterialPoint
 from ..material.spatial import largestOf
 from . import limits
 from .touching import contactMistakes
@@ -90,15 +90,6 @@ def _water(scene):
             "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
             'a face water, e.g. drained="bottom", or say permeability=0'
         )
-    for body in (b for b in scene.bodies if b.count and b.implicit and b not in wet):
-        density = body.mass.sum() / body.volume.sum()
-        if density < water.density * (1 - ROUNDOFF) and body.group != wet[0].group:
-            remedy = "more weight or less thickness" if isBeam(body.material) else "implicit=False"
-            yield (
-                f"PoreWater: '{body.name}' is implicit and has {density:.2g} Mg/m3, less than water; beside "
-                "wet soil such a body may shake until the run fails; give it the density of water, "
-                f"or {remedy}"
-            )
     for body in wet:
         if scene.steps == 0 and water.excess(body).min() < -OVERDRAWN * water.hydrostatic(body).max():
             yield (

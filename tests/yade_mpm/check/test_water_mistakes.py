@@ -81,37 +81,6 @@ def test_a_face_has_one_condition(named, make, kind):
     refused(named, make, kind)
 
 
-@pytest.mark.parametrize(
-    "density, implicit, isTold", [(0.5, True, True), (0.5, False, False), (1.0, True, False)]
-)
-def test_a_light_implicit_body_in_wet_soil_is_told(density, implicit, isTold):
-    """At 0.5 Mg/m3 it shakes the soil, at 0.25 the run fails."""
-    scene = mpm.Scene((0, 0), (2, 1.5), 0.25, gravity=9.81)
-    scene.fix("bottom")
-    scene.roller("left", "right")
-    shape = box((0.75, 0.5), (1.25, 1.25))
-    law = mpm.MohrCoulomb(**LAW)
-    soil = scene.add("soil", box((0, 0), (2, 1)) - shape, law, mpm.UGIMP(), water=mpm.PoreWater(table=1.0))
-    light = mpm.LinearElastic(density=density, young=1e5, poisson=0.2)
-    scene.contact(scene.add("light", shape, light, mpm.APDI(size=0.125), implicit=implicit), soil)
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
-        scene.run(steps=1, progress=False)
-    assert any("'light' is implicit and has" in str(w.message) for w in found) == isTold
-
-
-def test_a_light_beam_is_told_what_a_beam_can_change():
-    scene = mpm.Scene((0, 0), (2, 1.5), 0.25, gravity=9.81)
-    scene.fix("bottom")
-    scene.roller("left", "right")
-    sheet = mpm.Beam([(1, 0.5), (1, 1.25)], EI=1e3, EA=1e5, weight=0.1, thickness=0.5)
-    around = box((0, 0), (2, 1)) - sheet.region
-    soil = scene.add("soil", around, mpm.MohrCoulomb(**LAW), mpm.UGIMP(), water=mpm.PoreWater(table=1.0))
-    scene.contact(scene.add("sheet", sheet), soil)
-    with pytest.warns(UserWarning, match="'sheet' is implicit .* more weight or less thickness"):
-        scene.run(steps=1, progress=False)
-
-
 def test_excess_and_head_belong_to_the_table():
     scene, body = ground(table=0.4)
     water = next(e for e in scene.engines if isinstance(e, mpm.PoreWater))

@@ -165,7 +165,7 @@ attach detach groundStress load report stage stages
 add bodies cellSizeAt changes close constraints contact criticalTimeStep damping describe drive dt
 dtSpeed engines faceNodes fix gravity history initialStress lines maps nodePositions nodesInside
 particleCount pause plot prepare quasiStatic record remove roller run running save settle step steps
-terrain threads time timing unbalancedForce viscous wait
+terrain threads tie time timing unbalancedForce viscous wait
 """
 
 

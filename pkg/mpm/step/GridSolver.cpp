@@ -37,6 +37,9 @@ template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
         if (auto* ahead = dynamic_cast<ActingAhead*>(engine.get()); ahead && !engine->dead)
             ahead->actAhead(scene);
     scene.mirrors.fold(scene.grid, gravityOf(scene));
+    for (auto& engine : scene.engines)
+        if (auto* joining = dynamic_cast<JoiningNodes*>(engine.get()); joining && !engine->dead)
+            joining->join(scene);
     const double least = scene.leastMass();
     Quad g{};
     for (int k = 0; k < Dim; ++k) NF::setComponent(g, k, gravity[k]);

@@ -15,6 +15,14 @@ class ActingAhead {
     virtual void actAhead(Scene<3>& scene) = 0;
 };
 
+// Likewise: nodes that move as one are joined once all forces are on them.
+class JoiningNodes {
+  public:
+    virtual ~JoiningNodes() = default;
+    virtual void join(Scene<2>& scene) = 0;
+    virtual void join(Scene<3>& scene) = 0;
+};
+
 class GridSolver : public EngineOf<GridSolver> {
   public:
     std::vector<double> gravity;

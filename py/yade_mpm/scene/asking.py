@@ -77,8 +77,10 @@ def _addSides(scene, call, sides):
                 f"{call}: there is no side {shown(side)}; sides are "
                 f"{names}{didYouMean(side, FACES[scene.dim])}"
             )
-        if any(engine.label == f"viscous {side}" for engine in scene.engines):
-            raise ValueError(f"{call}: the side {shown(side)} is viscous; leave one of the two out")
+        pair = {"right": "left", "back": "front"}.get(side, side)  # tied sides are named by the lower one
+        for kind, label in (("viscous", f"viscous {side}"), ("tied", f"tied {pair}")):
+            if any(engine.label == label for engine in scene.engines):
+                raise ValueError(f"{call}: the side {shown(side)} is {kind}; leave one of the two out")
         if side in other:
             has = "rollers" if call == "fix" else "fixed"
             raise ValueError(

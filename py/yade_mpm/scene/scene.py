@@ -45,7 +45,7 @@ from .running import (
 )
 from .saving import save
 from .settling import settle, unbalancedForce
-from .shaking import viscous
+from .shaking import tie, viscous
 from .stages import stage
 from .stepper import Stepper
 
@@ -128,7 +128,7 @@ class Scene(HasEngines, HasClock, Guarded):
     add, remove = add, remove
     attach, detach, stage, report = attach, detach, stage, report
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
-    load, viscous = asking.load, viscous
+    load, viscous, tie = asking.load, viscous, tie
     terrain, maps = grounding.terrain, grounding.maps
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
     describe = describe

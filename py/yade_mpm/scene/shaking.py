@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Sides of the grid behind which the ground goes on: earthquakes come in and waves go out."""
+"""Sides of the grid behind which the ground goes on: earthquakes come in and waves go out, or both sides move
+as one."""
 
 from __future__ import annotations
 
@@ -16,6 +17,64 @@ from ..engine.supports import timeRows
 from ..material.materials import Material
 from .running import refuseDuringStep
 from .wetting import waterOf
+
+
+def tie(scene, *sides: str):
+    """Ties two sides of the grid that face each other: they move as one.
+
+        scene.tie("left", "right")
+
+    For ground that is shaken, with the same profile at both sides. It goes on behind each side as at the
+    other one, so a level layer has no end, and waves that leave at one side come back at the other. Sides
+    may move along their normal by half a cell; what is fixed or on rollers is given up for it.
+
+    Parameters
+    ----------
+    sides : "left" and "right"; in 3D also "front" and "back".
+
+    Returns the `UniformAlong`. Raises ValueError for sides that do not face each other, or have cells of
+    different size, or are viscous or tied; or where the ground has water.
+    """
+    refuseDuringStep(scene, "tie")
+    faces = FACES[scene.dim]
+    pairs = {tuple(s for s in faces if faces[s][0] == axis): axis for axis in range(scene.dim - 1)}
+    axis = next((pairs[pair] for pair in pairs if set(sides) == set(pair) and len(sides) == 2), None)
+    allowed = " or ".join(" and ".join(f"'{side}'" for side in pair) for pair in pairs)
+    if axis is None or scene.isAxisymmetric:
+        raise ValueError(
+            f"tie: sides = {shown(sides)} is not allowed; give {allowed}, in a scene without axial symmetry"
+        )
+    labels = [f"{kind} {side}" for side in sides for kind in ("viscous", "tied")]
+    if taken := [engine.label for engine in scene.engines if engine.label in labels]:
+        raise ValueError(f"tie: there is '{taken[0]}' already; leave one of the two out")
+    if waterOf(scene):
+        raise ValueError(
+            "tie: the ground has pore water, which tied sides do not carry on; leave out one of the two"
+        )
+    ends = np.tile(0.5 * (scene.lower + scene.upper), (2, 1))
+    ends[:, axis] = scene.lower[axis], scene.upper[axis]
+    sizes = scene.cellSizeAt(ends)[:, axis]
+    if not np.isclose(*sizes):
+        raise ValueError(
+            f"tie: cells at the sides are {sizes[0]:g} and {sizes[1]:g} m wide; give a grid with equal ones"
+        )
+    solver = _freed(scene, "tie", sides)
+    cells = len(scene.lines[axis]) - 1
+    lower = min(sides, key=lambda side: faces[side][1])
+    engine = classes["UniformAlong"](axis="xyz"[axis], period=cells, label=f"tied {lower}")
+    scene.engines.insert(scene.engines.index(solver), engine)
+    scene.stepper.noteChange()
+    return engine
+
+
+def _freed(scene, call, sides):
+    """The solver of the grid, with nothing that is fixed or on rollers at some sides."""
+    solver = scene._gridSolver(call)
+    for side in sides:
+        for held in (solver.fixed, solver.roller):
+            if side in held:
+                held.remove(side)
+    return solver
 
 
 def viscous(
@@ -50,14 +109,14 @@ def viscous(
     if not sides or not all(isinstance(side, str) for side in sides):
         raise TypeError(f"viscous: sides = {shown(sides)}; give names, e.g. scene.viscous('bottom')")
     there = {engine.label for engine in scene.engines}
+    for lower, upper in (("left", "right"), ("front", "back")):
+        if f"tied {lower}" in there and {lower, upper} & set(sides):
+            raise ValueError(f"viscous: the sides '{lower}' and '{upper}' are tied; leave one of the two out")
     if twice := [side for side in sides if f"viscous {side}" in there or sides.count(side) > 1]:
         raise ValueError(f"viscous: the side '{twice[0]}' is viscous already; give each side once")
     made = [_made(scene, side, motion, times, behind) for side in sides]
-    solver = scene._gridSolver("viscous")
-    for side, engine in zip(sides, made):
-        for held in (solver.fixed, solver.roller):
-            if side in held:
-                held.remove(side)
+    solver = _freed(scene, "viscous", sides)
+    for engine in made:
         scene.engines.insert(scene.engines.index(solver), engine)
     scene.stepper.noteChange()
     return made[0] if len(made) == 1 else tuple(made)

@@ -11,17 +11,19 @@ from scipy.special import j0, j1
 from yade_mpm import box
 
 GAMMA = 9.81  # kN/m3, water
+KINDS = {"boxes": lambda h: mpm.UGIMP(), "mesh": lambda h: mpm.APDI(size=h / 2)}
 
 
 @pytest.mark.verifies("heads round a well", reference="Thiem", tolerance=0.01)
-def test_water_flows_to_a_well(verified):
-    inner, outer, cells, k = 0.5, 2.5, 10, 1e-3
+@pytest.mark.parametrize("kind", KINDS)
+def test_water_flows_to_a_well(kind, verified):
+    inner, outer, cells, k = 0.5, 2.5, 16, 1e-3
     h = (outer - inner) / cells
     scene = mpm.Scene((inner, 0), (outer, 2 * h), h, axisymmetric=True, gravity=GAMMA, threads=1)
     scene.roller("left", "right", "bottom", "top")
     water = mpm.PoreWater(permeability=k, heads={"left": 2.0, "right": 3.0}, tolerance=1e-6)
     elastic = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.2)
-    soil = scene.add("soil", box((inner, 0), (outer, 2 * h)), elastic, mpm.UGIMP(), water=water)
+    soil = scene.add("soil", box((inner, 0), (outer, 2 * h)), elastic, KINDS[kind](h), water=water)
     scene.dt, scene.damping = 1e-4, 0.5
     scene.run(until=0.3, progress=False)
     cell = np.floor((soil.position[:, 0] - inner) / h).astype(int)
@@ -46,15 +48,16 @@ def cylinder(T, r, poisson=0.0):
 
 
 @pytest.mark.verifies("pressure in a cylinder that drains at its side", reference="De Leeuw", tolerance=0.01)
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("fbar", [False, True])
-def test_a_cylinder_drains_at_its_side(fbar, verified):
+def test_a_cylinder_drains_at_its_side(fbar, kind, verified):
     """In the middle the pressure rises to 1.26 of what it was before it falls."""
     h, M = 0.1, 1e4
     scene = mpm.Scene((0, 0), (1.2, 2 * h), h, axisymmetric=True, threads=1, damping=0.0)
     scene.roller("left", "bottom", "top")
     elastic = mpm.LinearElastic(density=2.0, young=M, poisson=0.0)
     water = mpm.PoreWater(permeability=GAMMA / M / 6, tolerance=1e-4)  # c_v = 1/6 m2/s
-    soil = scene.add("soil", box((0, 0), (1, 2 * h)), elastic, mpm.UGIMP(), fbar=fbar, water=water)
+    soil = scene.add("soil", box((0, 0), (1, 2 * h)), elastic, KINDS[kind](h), fbar=fbar, water=water)
     soil.porePressure, stress = 1.0, np.zeros_like(soil.stress)
     stress[:, [0, 1, 2], [0, 1, 2]] = 1.0
     soil.stress = stress

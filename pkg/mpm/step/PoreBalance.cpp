@@ -45,6 +45,22 @@ template <int Dim> void PoreWater::addCells(Scene<Dim>& scene, State<Dim>& state
         system.cells[c].storage *= state.fill[system.cells[c].number].porosity / (bulkModulus * scene.dt);
 }
 
+// f(node, what its velocity adds to the rate of volume of a particle, 1/m).
+template <int Dim, class F> void forVolumeSlopes(const Body<Dim>& body, int p, F&& f) {
+    double stiffness[Mesh<Dim>::patterns];
+    if (const auto* mesh = body.domains->mesh())
+        return mesh->strains(
+            p,
+            [&](int node, double, const Vec<Dim>& slope, double hoop, const double*) {
+                f(node, slope + hoop * Vec<Dim>::Unit(0));
+            },
+            stiffness);
+    const double overRadius = body.domains->overRadius(p);
+    body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
+        f(node, slope + phi * overRadius * Vec<Dim>::Unit(0));
+    });
+}
+
 // The pressure acts with the volume and on the nodes as the mean stress of the soil does (step/CellForces.hpp),
 // so what it strains is what the particles get: by the cell inside of the soil, by the particles at a surface.
 // Cells beside structures come later. Storage is a volume until all is known.
@@ -55,7 +71,6 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
     for (int p = 0; p < body.particles.size(); ++p) {
         if (!(wet.saturation[p] > 0)) continue;
         const double own = body.particles.volume.plane()[p] / wet.points.per(p);
-        const double overRadius = body.domains->overRadius(p);
         for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
             if (state.solids.isNear(wet.cell[point])) continue;
             const int c = system.cellAt(wet.cell[point]);
@@ -68,9 +83,8 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
             system.cells[c].volume += inside * acting;
             system.cells[c].storage += acting;
             if (inside < 1)
-                body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
-                    const Vec<Dim> ofRing = slope + phi * overRadius * Vec<Dim>::Unit(0);
-                    system.parts.push_back({c, node, (1 - inside) * acting * ofRing});
+                forVolumeSlopes(body, p, [&](int node, const Vec<Dim>& slope) {
+                    system.parts.push_back({c, node, (1 - inside) * acting * slope});
                 });
         }
     }

@@ -81,6 +81,11 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     require(
         heads.empty() || tableAt(scene, 0).weight > 0,
         "PoreWater: heads are given, and there is no gravity: water of any level has no pressure; give gravity");
+    for (const auto& engine : scene.engines)
+        require(
+            engine->dead || engine->className() != "UniformAlong",
+            "PoreWater: UniformAlong makes rows of nodes alike before the water presses on them; leave one "
+            "out, e.g. give the ground rollers left and right");
     require(g.template head<Dim - 1>().isZero() && !(g[Dim - 1] > 0),
             "PoreWater: gravity does not point down; give "
             "gravity along the last axis alone");
@@ -94,8 +99,6 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
                 body->name, "' have water and are in different groups; give them one");
         state.field = body->velocityField;
-        require(!scene.grid.isAxisymmetric || !body->domains->mesh(), "PoreWater: '", body->name,
-                "' is a mesh with water in an axisymmetric scene; give it particles=mpm.UGIMP()");
     }
     if (!first) return;
     for (auto& body : scene.bodies)

@@ -90,8 +90,7 @@ def footing(implicit=False, water=True, drop=0.015, rate=0.05):
     law = mpm.MohrCoulomb(
         density=2.0, young=2.6e4, poisson=0.3, cohesion=c, frictionAngle=phi, dilatancyAngle=0
     )
-    water = mpm.PoreWater(permeability=0.0) if water else None
-    soil = scene.add("soil", box((0, 0), (2.5, height)), law, mpm.UGIMP(), water=water)
+    soil = scene.add("soil", box((0, 0), (2.5, height)), law, mpm.UGIMP(), undrained=water)
     steel = mpm.LinearElastic(density=7.85, young=2e7 if implicit else 1e5, poisson=0.2)
     plate = scene.add(
         "plate", box((0, height), (0.5, height + 3 * h)), steel, mpm.APDI(size=h / 2), implicit=implicit

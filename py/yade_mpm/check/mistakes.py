@@ -25,6 +25,7 @@ FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
 ROUNDOFF = 1e-6  # relative, of a stress
 # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 OVERLAP = 0.02
+PERMEABLE = 1.0  # m/s; clean gravel has up to 0.1 or so
 OVERDRAWN = 0.99  # of the hydrostatic pressure that water lacks: where gravity was zero, all of it
 
 
@@ -90,7 +91,18 @@ def _water(scene):
             "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
             'a face water, e.g. drained="bottom", or say permeability=0'
         )
+    speed = np.sqrt(water.bulkModulus / water.density)
+    if speed > FASTEST:
+        yield (
+            f"PoreWater: waves in its water travel at {speed:.3g} m/s, and in water at 1480; bulkModulus = "
+            f"{water.bulkModulus:g} is in kPa: give 2.2e6"
+        )
     for body in wet:
+        if (most := body.permeability.max()) > PERMEABLE:
+            yield (
+                f"PoreWater: '{body.name}' has a permeability of {most:.3g} m/s, more than gravel; in "
+                f"m/s {most:.3g} m/d are {most / 86400:.3g}"
+            )
         if scene.steps == 0 and water.excess(body).min() < -OVERDRAWN * water.hydrostatic(body).max():
             yield (
                 f"PoreWater: '{body.name}' has less than the hydrostatic pressure of its table at the start; "

@@ -32,7 +32,7 @@ soil; faces of the grid, bodies without water and what is driven are closed.
 table : m, level; or rows (x, level), linear between them; default: 0 kPa everywhere, and no buoyancy.
 rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
 heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
-drained : face, or list of faces, with water up to the table behind them.
+drained : face, or list of faces, with water up to the table behind them; without a table at 0 kPa.
 inflows : dict face -> flow through it into the soil, m/s; negative: out of it.
 sealed : True: no water passes the surface of the soil.
 kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n the porosity.

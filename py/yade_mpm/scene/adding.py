@@ -25,7 +25,7 @@ from .beam import Beam
 from .filling import above, bodiesBelow
 from .hybrid import addHybrid
 from .running import refuseDuringStep
-from .wetting import checkWater, giveWater
+from .wetting import checkWater, giveWater, waterOf
 
 
 class Bodies(tuple):
@@ -57,6 +57,7 @@ def add(
     flow: Region | tuple | None = None,
     on: Body | tuple | None = None,
     water: PoreWater | None = None,
+    undrained: bool = False,
 ) -> Body:
     """Adds a body and returns it. What is left out the scene chooses, and `describe` tells why.
 
@@ -91,6 +92,9 @@ def add(
         are cut where the surface is now, heaved or settled. Of boxes only. Default None: bodies that overlap
         are refused.
     water : PoreWater, fills the pores below its table. Default None: dry, or one phase.
+    undrained : True: the body has water that does not flow, for strength by effective stress under fast
+        loads: that of `water`, else of the scene, with the permeability 0. Where there is none it has no
+        table: all is full, and stress starts as that without water.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -106,6 +110,7 @@ def add(
             flow=flow,
             on=on,
             water=water,
+            undrained=undrained or None,
             implicit=implicit,
         )
         region, material, particles = region._parts(scene, name)
@@ -130,6 +135,7 @@ def add(
                 exclude,
                 on=on,
                 water=water,
+                undrained=undrained,
             )
 
         return addHybrid(scene, name, region, flow, part)
@@ -139,6 +145,8 @@ def add(
         if implicit is None:
             chosen["implicit"] = "its material yields"
     _checkArguments(scene, name, region, material, particles)
+    if undrained and water is None:
+        water = waterOf(scene) or PoreWater()
     if water is not None:
         checkWater(scene, name, material, water, implicit)
     if fbar is None:
@@ -153,6 +161,8 @@ def add(
             keep(one, _chosen=dict(chosen))
             if water is not None:
                 giveWater(scene, one, water)
+            if undrained:
+                one.permeability = 0.0
         choices.update(scene)
     return body
 

@@ -3,6 +3,7 @@
 
 from ..base.wording import shown
 from ..engine.contact import Contact
+from ..engine.engine import belongTo
 from ..engine.gridSolver import GridSolver
 from ..engine.poreWater import PoreWater, waterOf
 
@@ -19,6 +20,15 @@ def checkWater(scene, name, material, water, implicit):
         raise ValueError(f"body '{name}': water and implicit=True are given together; leave one out")
     if scene.scheme != "MUSL":
         raise ValueError(f"body '{name}': water needs scheme='MUSL', and this is {scene.scheme}")
+    if len(water.rise) and not len(water.table):
+        raise ValueError("PoreWater: rise is given, and no table that rises; give table, its level in m")
+    pores = water.porosity * water.density
+    if pores > material.density:
+        raise ValueError(
+            f"body '{name}': its density with its water is {material.density:g} Mg/m3, less than the "
+            f"{pores:g} Mg/m3 of the water in its pores; look at density = {water.density:g} and porosity = "
+            f"{water.porosity:g} of the PoreWater"
+        )
     water._enter(scene)
     there = waterOf(scene)
     if there is not None and there is not water and (different := there._sameAs(water)):
@@ -32,6 +42,7 @@ def giveWater(scene, body, water):
     """Fills the pores of a body below the table, with the hydrostatic pressure."""
     if waterOf(scene) is None:
         last = max(k for k, engine in enumerate(scene.engines) if isinstance(engine, (GridSolver, Contact)))
+        belongTo(scene, water)
         scene.engines.insert(last + 1, water)
     addPores(body)
     depth = water.level(body.position, scene.time) - body.position[:, -1]

@@ -26,6 +26,7 @@ def ground(height=0.5, before=9.81, after=None, **water):
 
 
 UNDRAINED, NO_GRAVITY = "no drained boundary: undrained for ever", "give gravity before scene.add"
+PASCAL, PER_DAY = "is in kPa: give 2.2e6", "8.6 m/d are 9.95e-05"
 
 
 @pytest.mark.parametrize(
@@ -41,6 +42,10 @@ UNDRAINED, NO_GRAVITY = "no drained boundary: undrained for ever", "give gravity
         (NO_GRAVITY, dict(before=0.0, after=9.81, table=0.5)),
         (None, dict(table=0.5)),
         (None, dict(table=0.3)),
+        (PASCAL, dict(bulkModulus=2.2e9)),
+        (None, dict(bulkModulus=2.2e6 * 4)),
+        (PER_DAY, dict(permeability=8.6)),
+        (None, dict(permeability=0.5)),
     ],
 )
 def test_what_water_is_warned_of(told, options):
@@ -62,6 +67,24 @@ def test_a_table_is_given_once(named, make, kind):
     refused(named, make, kind)
 
 
+def twice():
+    """One PoreWater in two scenes."""
+    water = mpm.PoreWater(table=0.5)
+    for _ in range(2):
+        scene = mpm.Scene((0, 0), (1, 1), 0.25, gravity=9.81)
+        scene.add("soil", box((0, 0), (1, 0.5)), mpm.MohrCoulomb(**LAW), mpm.UGIMP(), water=water)
+
+
+@cases(
+    ("rise is given, and no table that rises", lambda: ground(rise=[(0, 0), (10, -1)])),
+    ("less than the 400 Mg/m3 of the water in its pores", lambda: ground(table=0.5, density=1000)),
+    ("porosity = 35 is not allowed; give a number in (0, 1)", lambda: mpm.PoreWater(porosity=35)),
+    ("it was used by another scene; make a new one for each scene", twice),
+)
+def test_wrong_units_and_half_given_water_are_refused(named, make, kind):
+    refused(named, make, kind)
+
+
 @cases(
     (
         "'left' is in heads and in drained; give it one of them",
@@ -79,6 +102,43 @@ def test_a_table_is_given_once(named, make, kind):
 )
 def test_a_face_has_one_condition(named, make, kind):
     refused(named, make, kind)
+
+
+def pressed(sand, **options):
+    """Clay under a plate; sand: the water of a layer on it, or None."""
+    scene = mpm.Scene((0, 0), (2, 1.5), 0.25, gravity=9.81)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    if sand:
+        scene.add("sand", box((0, 0.5), (2, 1)), mpm.MohrCoulomb(**LAW), mpm.UGIMP(), water=sand)
+    clay = scene.add("clay", box((0, 0), (2, 0.5)), mpm.MohrCoulomb(**LAW), mpm.UGIMP(), **options)
+    scene.groundStress(K0=0.6)
+    top = 1.0 if sand else 0.5
+    scene.drive(box((0, top - 1e-6), (0.5, top + 0.5)), velocity=(0, -0.05), name="plate")
+    scene.run(steps=20, progress=False)
+    return scene, clay
+
+
+def test_undrained_is_water_that_does_not_flow():
+    """To the bit; in a scene with water its table counts, and the other soil drains as before."""
+    scene, clay = pressed(None, undrained=True)
+    _, same = pressed(None, water=mpm.PoreWater(permeability=0.0))
+    for field in ("stress", "porePressure", "velocity"):
+        assert np.array_equal(getattr(clay, field), getattr(same, field)), field
+    assert clay.porePressure.max() > 0.1 and (clay.saturation == 1).all()
+    assert "undrained, as its permeability of 0 says" in str(scene.quasiStatic())
+    water = mpm.PoreWater(table=1.25, permeability=1e-3)
+    scene, clay = pressed(water, undrained=True)
+    assert len([e for e in scene.engines if isinstance(e, mpm.PoreWater)]) == 1
+    assert (clay.permeability == 0).all() and (scene["sand"].permeability == 1e-3).all()
+    assert clay.porePressure.max() > 9.81 * 1.0
+
+
+def test_uniform_along_with_water_is_refused():
+    scene, _ = ground(table=0.5)
+    scene.engines.insert(1, mpm.UniformAlong(axis="x"))
+    with pytest.raises(ValueError, match="UniformAlong makes rows of nodes alike"):
+        scene.run(steps=1, progress=False)
 
 
 def test_excess_and_head_belong_to_the_table():

@@ -211,3 +211,36 @@ def test_contact_resists_with_the_weight(verified):
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
     (force,) = contact.forces().values()
     verified(abs(force[1]), 10 * disc.mass.sum())
+
+
+# --- beside a quarter in space ----------------------------------------------------------------------------
+def squeezed(law, speed, isRound, width=1.0):
+    """Mean pressure on a cylinder of the height 1 m between rough plates, kPa: a ring, or
+    a quarter in space."""
+    if isRound:
+        scene = mpm.Scene((0, 0), (1.25, 1.5), 0.125, axisymmetric=True, damping=0.3, threads=1)
+        shape, top = mpm.box((0, 0), (width, 1)), mpm.box((-1, 0.99), (2, 1.01))
+    else:
+        scene = mpm.Scene((0, 0, 0), (1.25, 1.25, 1.5), 0.125, damping=0.3, threads=1)
+        scene.roller("left", "front")
+        shape = mpm.cylinder((0, 0, 0), (0, 0, 1), width) & mpm.box((0, 0, 0), (1, 1, 1))
+        top = mpm.box((-1, -1, 0.99), (2, 2, 1.01))
+    scene.fix("bottom")
+    body = scene.add("body", shape, law, mpm.UGIMP(perCell=2))
+    press = scene.drive(top, velocity=(*(0,) * (scene.dim - 1), -speed), ramp=0.1)
+    scene.run(until=0.4, progress=False)
+    before = press.impulse[scene.dim - 1]
+    scene.run(until=0.5, progress=False)
+    return (before - press.impulse[scene.dim - 1]) / 0.1 / (body.mass.sum() / DENSITY)
+
+
+@pytest.mark.parametrize(
+    "law, speed",
+    [(elastic(), 0.02), (mpm.Tresca(density=DENSITY, young=1e4, poisson=0.49, undrainedStrength=10.0), 0.1)],
+)
+@pytest.mark.verifies("Axial symmetry: a quarter in space", reference="3D, same cells", tolerance=0.01)
+def test_a_ring_resists_as_a_quarter_in_space(law, speed, verified):
+    """An elastic cylinder, and one that yields. Control: a slender one resists less."""
+    ring = squeezed(law, speed, True)
+    verified(squeezed(law, speed, False), ring)
+    assert squeezed(law, speed, True, width=0.5) < 0.98 * ring

@@ -116,6 +116,14 @@ template <int Dim> struct BindBody {
         return any;
     }
 
+    // Largest lambda and mu of the particles, kPa.
+    static bp::tuple largestStiffness(B& body) {
+        const int count = body.particles.size();
+        std::vector<double> lambda(count), mu(count);
+        body.stiffness(0, count, lambda.data(), mu.data());
+        return bp::make_tuple(*std::max_element(lambda.begin(), lambda.end()),
+                              *std::max_element(mu.begin(), mu.end()));
+    }
     static void setStress(B& body, const bp::object& stress) {
         const std::vector<double> given = numbers<double>(stress);
         require(int(given.size()) == 9 * body.particles.size(), "body '", body.name,
@@ -288,6 +296,8 @@ template <int Dim> struct BindBody {
             .def("massesChanged", &B::massesChanged)
             .def("splitStretched", splitStretched)
             .def("setStress", setStress)
+            .def("largestStiffness", largestStiffness)
+            .def("takeParameters", &B::takeParameters)
             .def("corners", cornerTable)
             .def("weights", weights)
             .def("internalForces", internalForces)

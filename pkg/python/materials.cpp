@@ -19,10 +19,10 @@ class MaterialPoint {
         const std::vector<double> components = numbers<double>(stress);
         require(components.size() == 9, "MaterialPoint: stress must be 3x3");
         std::copy(components.begin(), components.end(), stress_);
-        for (const StateVariable& v : material->stateVariables())
+        for (const StateVariable& v : material->allStateVariables())
             state_.push_back(given.has_key(v.name) ? double(bp::extract<double>(given[v.name])) : v.initial);
         state_.push_back(0);
-        material_->stateFromStress(stress_, state_.data());
+        material_->startState(stress_, state_.data());
         for (int i = 0; i < 9; ++i) F_[i] = i % 4 == 0;
     }
 
@@ -62,7 +62,7 @@ class MaterialPoint {
     bp::list deformationGradient() const { return listOf(std::vector<double>(F_, F_ + 9)); }
     bp::dict state() const {
         bp::dict d;
-        const auto variables = material_->stateVariables();
+        const auto variables = material_->allStateVariables();
         for (size_t k = 0; k < variables.size(); ++k) d[variables[k].name] = state_[k];
         return d;
     }
@@ -102,17 +102,8 @@ bp::tuple lame(const Material& m) { return bp::make_tuple(m.lame()[0], m.lame()[
 
 bp::list stateVariables(const Material& m) {
     bp::list all;
-    for (const StateVariable& v : m.stateVariables()) all.append(bp::make_tuple(v.name, v.unit, v.doc));
+    for (const StateVariable& v : m.allStateVariables()) all.append(bp::make_tuple(v.name, v.unit, v.doc));
     return all;
-}
-
-// Whether each particle has a value of its own of a parameter.
-void vary(Material& m, const std::string& name, bool does) {
-    m.varying.erase(std::remove(m.varying.begin(), m.varying.end(), name), m.varying.end());
-    if (!does) return;
-    m.varying.push_back(name);
-    for (const Parameter& p : m.parameters())
-        if (p.name == name) *std::get<double*>(p.target) = notGiven;
 }
 
 } // namespace
@@ -123,7 +114,8 @@ void exposeMaterials() {
         .add_property("lameConstants", lame)
         .add_property("waveSpeed", &Material::waveSpeed)
         .add_property("yields", &Material::yields)
-        .def("vary", vary)
+        .def("vary", &Material::vary)
+        .def("finish", &Material::finishVarying)
         .def("stateVariables", stateVariables);
     bp::def("makeMaterial", &Registry<Material>::make);
     bp::def("materialNames", +[] { return listOf(Registry<Material>::names()); });

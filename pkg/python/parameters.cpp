@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Attributes of materials, particle types and engines, from their parameter lists.
+#include "mpm/material/Material.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -165,6 +166,7 @@ bp::object value(Configurable& object, const std::string& name) {
 }
 
 bp::list parameters(Configurable& object) {
+    const auto* material = dynamic_cast<const Material*>(&object);
     bp::list all;
     for (const Parameter& p : object.parameters()) {
         bp::dict d;
@@ -178,7 +180,7 @@ bp::list parameters(Configurable& object) {
             std::holds_alternative<bool*>(p.target) || std::holds_alternative<std::optional<bool>*>(p.target);
         d["allowed"] = p.range.text();
         d["choices"] = listOf(p.choices);
-        d["mayVary"] = p.mayVary;
+        d["mayVary"] = material && material->mayVary(p);
         all.append(d);
     }
     return all;

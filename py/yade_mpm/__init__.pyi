@@ -653,6 +653,7 @@ class Sanisand(Material):
     density: float | None
     shearFactor: float
     poisson: float
+    pressureExponent: float
     referencePressure: float
     frictionAngle: float | None
     extensionRatio: float
@@ -676,6 +677,7 @@ class Sanisand(Material):
         density: float | None = None,
         shearFactor: float = 125.0,
         poisson: float = 0.05,
+        pressureExponent: float = 0.5,
         referencePressure: float = 101.0,
         frictionAngle: float | None = None,
         extensionRatio: float = 0.712,
@@ -765,6 +767,9 @@ class Tresca(Material):
     young: float | None
     poisson: float | None
     rigidity: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     undrainedStrength: float | None
     remouldedRatio: float | None
     softeningStrain: float | None
@@ -779,6 +784,9 @@ class Tresca(Material):
         young: float | None = None,
         poisson: float | None = None,
         rigidity: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
         undrainedStrength: float | None = None,
         remouldedRatio: float | None = None,
         softeningStrain: float | None = None,

@@ -47,9 +47,11 @@ void Elasticity::finish(const std::string& who) {
 
     require(byLame || byYoung, who,
             ": elastic constants are missing; give either lame=(lambda, mu) or young and poisson");
-    require(!(byLame && byYoung), who, ": lame = ", place(lame), " and young = ", young,
-            ", poisson = ", poisson, first ? " are given" : " were changed",
-            " together; give either lame=(lambda, mu) or young and poisson, not both");
+    if (byLame &&
+        byYoung) // no text before it is wanted: where young varies, this is called for each particle
+        throw InputError(message(who, ": lame = ", place(lame), " and young = ", young,
+                                 ", poisson = ", poisson, first ? " are given" : " were changed",
+                                 " together; give either lame=(lambda, mu) or young and poisson, not both"));
     if (byLame) {
         checkLame(who, lame);
         young = mu() * (3 * lambda() + 2 * mu()) / (lambda() + mu());

@@ -15,6 +15,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace mpm {
@@ -64,6 +65,23 @@ template <int Dim> struct MaterialPoints {
         flat.hoopRate = velocityGradient[Dim * Dim - 1];
         return flat;
     }
+
+    // Particles [begin, end) of the run. planes: memory for pointers to their state variables.
+    MaterialPoints part(int begin, int end, std::vector<double*>& planes) const {
+        MaterialPoints its = *this;
+        its.count = end - begin;
+        its.id += begin;
+        for (auto& plane : its.position) plane += begin;
+        for (auto& plane : its.velocityGradient) plane += begin;
+        for (auto& plane : its.deformationGradient) plane += begin;
+        for (auto& plane : its.stress) plane += begin;
+        its.volume += begin;
+        its.initialVolume += begin;
+        if (its.hoopRate) its.hoopRate += begin;
+        for (size_t k = 0; k < planes.size(); ++k) planes[k] = state[k] + begin;
+        its.state = planes.data();
+        return its;
+    }
 };
 
 // Mean stress and J2 of particle i, kPa and kPa2, from the upper triangle.
@@ -98,14 +116,21 @@ class MPM_PUBLIC Material : public Configurable {
   public:
     double density = notGiven; // Mg/m3, of the initial configuration
 
-    // Parameters that each particle has a value of its own of: a state variable of the same name holds it, and the
-    // parameter itself is not given.
-    std::vector<std::string> varying;
+    // Parameters that each particle has a value of its own of: a state variable of the same name holds it. A law reads
+    // those that it has among its state variables (Parameter::mayVary), and these are then not given. The others stand
+    // behind its state variables, and MaterialOf sets them in a copy of the law before it treats a particle.
     bool varies(const std::string& name) const {
-        return std::find(varying.begin(), varying.end(), name) != varying.end();
+        return std::find(varying_.begin(), varying_.end(), name) != varying_.end();
     }
+    void vary(const std::string& name, bool does);
+    // Whether it can vary.
+    bool mayVary(const Parameter& parameter) const;
+    // finish(), with values in place of those that vary outside of the law for which it succeeds.
+    void finishVarying();
 
     virtual std::vector<StateVariable> stateVariables() const { return {}; }
+    // These, and the parameters that vary outside of the law.
+    std::vector<StateVariable> allStateVariables() const;
 
     // Stress and state at the end of a step. Throws RunError where a particle has no stress.
     virtual void update(const MaterialPoints<2>& points) const = 0;
@@ -113,6 +138,8 @@ class MPM_PUBLIC Material : public Configurable {
     // Sets the state variables (one value each) that belong to a given Cauchy stress at F = I. Models
     // whose stress follows from F alone throw InputError for a stress that is not zero.
     virtual void stateFromStress(const double stress[9], double* state) const = 0;
+    // The same for particles of which parameters vary outside of the law; without a stress the initial values.
+    virtual void startState(const double* stress, double* state) const = 0;
     // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
     virtual std::array<double, 2> lame() const = 0;
 
@@ -140,6 +167,15 @@ class MPM_PUBLIC Material : public Configurable {
     virtual void storedEnergy(const MaterialPoints<3>& points, double* energy) const = 0;
 
     double waveSpeed() const { return std::sqrt((lame()[0] + 2 * lame()[1]) / density); }
+
+  protected:
+    std::vector<StateVariable> outside_; // parameters that vary outside of the law
+    // Where it keeps these.
+    std::vector<double*> targetsOutside();
+    virtual bool isCopied() const = 0;
+
+  private:
+    std::vector<std::string> varying_;
 };
 
 // Forwards both dimensions to one template text. A law has
@@ -148,28 +184,43 @@ class MPM_PUBLIC Material : public Configurable {
 // (trialStress() does), takesHoopRate = true says so, and rings cost little more than the plane.
 template <class Derived> class MaterialOf : public Material {
   public:
-    void update(const MaterialPoints<2>& points) const override { law().template stress<2>(points); }
+    void update(const MaterialPoints<2>& points) const override {
+        forEachLaw(points, [](const Derived& law, const auto& its, int) { law.template stress<2>(its); });
+    }
     void update(const MaterialPoints<3>& points) const override {
-        if (Derived::takesHoopRate && points.isRing) return law().template stress<2>(points.inPlane());
-        law().template stress<3>(points);
+        forEachLaw(points, [](const Derived& law, const auto& its, int) {
+            if (Derived::takesHoopRate && its.isRing) return law.template stress<2>(its.inPlane());
+            law.template stress<3>(its);
+        });
     }
     void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
-        law().template findStiffness<2>(points, lambda, mu);
+        stiffnessOf(points, lambda, mu);
     }
     void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const override {
-        law().template findStiffness<3>(points, lambda, mu);
+        stiffnessOf(points, lambda, mu);
     }
     void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        law().template findStrength<2>(points, strength);
+        shearStrengthOf(points, strength);
     }
     void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        law().template findStrength<3>(points, strength);
+        shearStrengthOf(points, strength);
     }
     void storedEnergy(const MaterialPoints<2>& points, double* energy) const override {
-        law().template findStoredEnergy<2>(points, energy);
+        storedEnergyOf(points, energy);
     }
     void storedEnergy(const MaterialPoints<3>& points, double* energy) const override {
-        law().template findStoredEnergy<3>(points, energy);
+        storedEnergyOf(points, energy);
+    }
+    void startState(const double* stress, double* state) const override {
+        const int first = int(stateVariables().size());
+        withParameters([&](int k) { return state[first + k]; },
+                       [&](const Derived& law) {
+                           if (stress) return law.stateFromStress(stress, state);
+                           const auto variables = law.stateVariables();
+                           for (int k = 0; k < first; ++k)
+                               if (!variables[k].isCellSize && !varies(variables[k].name))
+                                   state[k] = variables[k].initial;
+                       });
     }
 
     // lame() for all.
@@ -195,7 +246,60 @@ template <class Derived> class MaterialOf : public Material {
     static constexpr bool takesHoopRate = false;
 
   private:
+    static constexpr bool copies = std::is_copy_constructible_v<Derived>;
     const Derived& law() const { return static_cast<const Derived&>(*this); }
+    bool isCopied() const override { return copies; }
+
+    // f(law) with the values valueOf(k) of parameters that vary outside of the law.
+    template <class ValueOf, class F> void withParameters(ValueOf&& valueOf, F&& f) const {
+        if constexpr (copies)
+            if (!outside_.empty()) {
+                Derived its(law());
+                const std::vector<double*> targets = its.targetsOutside();
+                for (size_t k = 0; k < targets.size(); ++k) *targets[k] = valueOf(int(k));
+                its.finish();
+                return f(its);
+            }
+        f(law());
+    }
+    // f(law, particles, number of the first one) for all at once, or for each row of particles with the same parameters.
+    template <int Dim, class F> void forEachLaw(const MaterialPoints<Dim>& points, F&& f) const {
+        if constexpr (copies)
+            if (!outside_.empty()) {
+                Derived its(law());
+                const std::vector<double*> targets = its.targetsOutside();
+                std::vector<double*> planes(stateVariables().size() + targets.size());
+                double* const* values = points.state + stateVariables().size();
+                for (int begin = 0, end; begin < points.count; begin = end) {
+                    for (size_t k = 0; k < targets.size(); ++k) *targets[k] = values[k][begin];
+                    const auto isAlike = [&](int i) {
+                        for (size_t k = 0; k < targets.size(); ++k)
+                            if (values[k][i] != values[k][begin]) return false;
+                        return true;
+                    };
+                    for (end = begin + 1; end < points.count && isAlike(end);) ++end;
+                    its.finish();
+                    f(its, points.part(begin, end, planes), begin);
+                }
+                return;
+            }
+        f(law(), points, 0);
+    }
+    template <int Dim> void stiffnessOf(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
+            law.template findStiffness<Dim>(its, lambda + begin, mu + begin);
+        });
+    }
+    template <int Dim> void shearStrengthOf(const MaterialPoints<Dim>& points, double* strength) const {
+        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
+            law.template findStrength<Dim>(its, strength + begin);
+        });
+    }
+    template <int Dim> void storedEnergyOf(const MaterialPoints<Dim>& points, double* energy) const {
+        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
+            law.template findStoredEnergy<Dim>(its, energy + begin);
+        });
+    }
 };
 
 // Isotropic elastic constants, given as lame = (lambda, mu) or as young and poisson; the others follow.

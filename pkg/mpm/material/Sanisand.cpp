@@ -31,7 +31,7 @@ class Sanisand : public MaterialOf<Sanisand> {
     alpha_b = sqrt(2/3) [g M exp(-n_b psi) - m],  alpha_d = sqrt(2/3) [g M exp(n_d psi) - m]
     d alpha = 2/3 L h (alpha_b n - alpha),  h = G_0 h_0 (1 - c_h e) (p/p_ref)^-1/2/((alpha - alpha_in):n)
     de_v = L A_0 (1 + <z:n>) (alpha_d - alpha:n),  dz = -c_z <-de_v> (z_max n + z)
-    G = G_0 p_ref (2.97 - e)^2/(1 + e) (p/p_ref)^1/2,  M = 6 sin(phi)/(3 - sin(phi))
+    G = G_0 p_ref (2.97 - e)^2/(1 + e) (p/p_ref)^k,  M = 6 sin(phi)/(3 - sin(phi))
 
 Strains and pressures are positive in compression; stress is effective stress. alpha is the back stress ratio, alpha_in
 its value at the last reversal, z the fabric, g(theta) the shape between compression and extension, L the plastic
@@ -46,6 +46,8 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()},
             {"shearFactor", "-", "G_0: elastic shear modulus, see above", &shear_, Range::positive()},
             {"poisson", "-", "Poisson's ratio", &poisson_, Range::inside(-1, 0.5)},
+            {"pressureExponent", "-", "exponent k of the shear modulus over the pressure", &power_,
+             Range{0, 1, false, false}},
             {"referencePressure", "kPa", "pressure p_ref", &reference_, Range::positive()},
             criticalFriction(&phi_),
             {"extensionRatio", "-", "c: M of triaxial extension over that of compression", &c_,
@@ -127,7 +129,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
     double critical(double p) const { return e0_ - lambda_ * std::pow(p / reference_, xi_); }
     PressureStiffness elastic(double e) const {
         const double G = shear_ * reference_ * (2.97 - e) * (2.97 - e) / (1 + e);
-        return {2 * G * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, 0.5, smallest_};
+        return {2 * G * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, power_, smallest_};
     }
     std::array<double, 2> lameAt(double p, double e) const {
         return lameOf(elastic(e).stiffness(p), poisson_);
@@ -252,9 +254,9 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
     static constexpr double largestPart = 0.01;
     static constexpr int mostParts = 1000;
 
-    double shear_ = 125, poisson_ = 0.05, reference_ = 101, phi_ = notGiven, c_ = 0.712, e0_ = notGiven,
-           lambda_ = notGiven, xi_ = 0.7, m_ = 0.01, h0_ = 7.05, ch_ = 0.968, nb_ = 1.1, A0_ = 0.704,
-           nd_ = 3.5, zMost_ = 4, cz_ = 600, smallest_ = 0.5;
+    double shear_ = 125, poisson_ = 0.05, power_ = 0.5, reference_ = 101, phi_ = notGiven, c_ = 0.712,
+           e0_ = notGiven, lambda_ = notGiven, xi_ = 0.7, m_ = 0.01, h0_ = 7.05, ch_ = 0.968, nb_ = 1.1,
+           A0_ = 0.704, nd_ = 3.5, zMost_ = 4, cz_ = 600, smallest_ = 0.5;
     double M_ = 0;
     SandDensity density_;
 };

@@ -3,6 +3,7 @@
 // and rises with the rate of shear.
 #include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
 #include "mpm/material/required.hpp"
 
@@ -38,7 +39,7 @@ su_0 is the undrainedStrength of a particle as it was placed: a number, a functi
 array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3; m the
 rateFactor for each factor of ten of the rate of shear d1 - d3. Stress is total; the volume changes elastically
 (give poisson = 0.49). With rigidity in place of young, mu = rigidity su_0 of each particle. The return to the hexagon
-is exact, edges included.
+is exact, edges included. With pressureExponent the elastic moduli follow the total mean pressure.
 
 Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
 173-182.)";
@@ -50,6 +51,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         all.push_back({"rigidity", "-",
                        "shear modulus over undrainedStrength, together with poisson in place of young",
                        &rigidity_, Range::positive()});
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         all.push_back({"undrainedStrength",
                        "kPa",
                        "required: undrained shear strength su_0 at the reference rate",
@@ -96,16 +98,18 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     // Of varying strength without a particle: no stiffness.
-    std::array<double, 2> lame() const override { return lameAt(std::isnan(strength_) ? 0 : strength_); }
+    std::array<double, 2> lame() const override {
+        return lameAt(std::isnan(strength_) ? 0 : strength_, pressure_.factor(0));
+    }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { state[0] = 0; }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        if (isRigid()) {
-            std::vector<double> lambda(points.count), mu(points.count);
-            findStiffness(points, lambda.data(), mu.data());
+        std::vector<double> lambda(points.count), mu(points.count);
+        findStiffness(points, lambda.data(), mu.data());
+        if (isRigid() || pressure_.isGiven())
             trialStress(lambda.data(), mu.data(), points);
-        } else
+        else
             trialStress(elasticity_.lambda(), elasticity_.mu(), points);
         for (int i = 0; i < points.count; ++i) {
             PrincipalStress<Dim> principal(points, i);
@@ -124,13 +128,13 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
             s[1] = p - 2 * middle;
             s[2] = p + middle - su;
             principal.write();
-            points.state[0][i] += excess / (2 * lameAt(points.state[1][i])[1]);
+            points.state[0][i] += excess / (2 * mu[i]);
         }
     }
     template <int Dim>
     void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
         for (int i = 0; i < points.count; ++i) {
-            const auto its = lameAt(points.state[1][i]);
+            const auto its = lameAt(points.state[1][i], pressure_.factor(invariants(points, i).mean));
             lambda[i] = its[0];
             mu[i] = its[1];
         }
@@ -143,14 +147,17 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     bool isRigid() const { return !std::isnan(rigidity_); }
     void finishElasticity(const std::string& who) {
         if (!isRigid()) return elasticity_.finish(who);
+        require(!pressure_.isGiven(), who, ": rigidity = ", rigidity_,
+                " and pressureExponent = ", pressure_.exponent,
+                " are given together; the stiffness follows the strength or the pressure");
         require(elasticity_.lame.empty() && std::isnan(elasticity_.young), who, ": rigidity = ", rigidity_,
                 " is given with ", elasticity_.lame.empty() ? "young" : "lame", "; give one of them");
         require(!std::isnan(elasticity_.poisson), who, ": rigidity = ", rigidity_,
                 " is given without poisson; give both, e.g. poisson = 0.49");
     }
-    // Of particles with the strength su_0.
-    std::array<double, 2> lameAt(double strength) const {
-        if (!isRigid()) return {elasticity_.lambda(), elasticity_.mu()};
+    // Of particles with the strength su_0; factor: by the pressure.
+    std::array<double, 2> lameAt(double strength, double factor) const {
+        if (!isRigid()) return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
         const double mu = rigidity_ * strength, nu = elasticity_.poisson;
         return {2 * mu * nu / (1 - 2 * nu), mu};
     }
@@ -165,6 +172,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
 
     Elasticity elasticity_;
+    PressureDependence pressure_;
     double rigidity_ = notGiven, strength_ = notGiven, remouldedRatio_ = notGiven, rateFactor_ = 0,
            referenceRate_ = notGiven;
     Softening softening_;

@@ -38,25 +38,9 @@ class PressureDependence {
     // f(factor, points) for all at once where the moduli are constant, else for each particle.
     template <int Dim, class F> void forEach(int states, const MaterialPoints<Dim>& points, F&& f) const {
         if (!isGiven()) return f(1.0, points);
-        std::vector<double*> state(states);
-        for (int i = 0; i < points.count; ++i) f(factor(invariants(points, i).mean), one(points, i, state));
-    }
-
-  private:
-    // Particle i alone; state: memory for its state variables.
-    template <int Dim>
-    static MaterialPoints<Dim> one(const MaterialPoints<Dim>& points, int i, std::vector<double*>& state) {
-        MaterialPoints<Dim> its = points;
-        its.count = 1;
-        its.volume += i;
-        its.initialVolume += i;
-        for (auto& plane : its.velocityGradient) plane += i;
-        if (its.hoopRate) its.hoopRate += i;
-        for (auto& plane : its.deformationGradient) plane += i;
-        for (auto& plane : its.stress) plane += i;
-        for (size_t k = 0; k < state.size(); ++k) state[k] = points.state[k] + i;
-        its.state = state.data();
-        return its;
+        std::vector<double*> planes(states);
+        for (int i = 0; i < points.count; ++i)
+            f(factor(invariants(points, i).mean), points.part(i, i + 1, planes));
     }
 };
 

@@ -43,7 +43,7 @@ template <int Dim> class Body {
             shearStrength(begin, end, strength);
         };
         domains->section = material->section();
-        for (const StateVariable& v : material->stateVariables())
+        for (const StateVariable& v : material->allStateVariables())
             particles.state.emplace_back(v.name, v.unit, v.doc);
     }
     Body(const Body&) = delete;
@@ -57,7 +57,7 @@ template <int Dim> class Body {
 
     // Mass and state variables of the particles from number `first` on.
     void initialise(int first) {
-        const auto variables = material->stateVariables();
+        const auto variables = material->allStateVariables();
         for (int p = first; p < particles.size(); ++p) {
             particles.mass.plane()[p] = material->density * particles.initialVolume.plane()[p];
             for (size_t k = 0; k < variables.size(); ++k)
@@ -127,11 +127,26 @@ template <int Dim> class Body {
     void setStress(int p, const double stress[9]) {
         std::vector<double> state(particles.state.size() + 1);
         for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane()[p];
-        material->stateFromStress(stress, state.data());
+        material->startState(stress, state.data());
         for (int c = 0; c < 9; ++c) // planes that stay zero are not touched: they take no memory
             if (double& component = particles.stress.plane(c)[p]; component != stress[c])
                 component = stress[c];
         for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
+    }
+
+    // Checks the parameters of each particle, and gives it the state variables that belong to them.
+    void takeParameters() {
+        std::vector<double> state(particles.state.size() + 1);
+        for (int p = 0; p < particles.size(); ++p) {
+            for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane()[p];
+            try {
+                material->startState(nullptr, state.data());
+            } catch (const InputError& error) {
+                throw InputError(message("body '", name, "': particle ", particles.id.integers()[p], " at ",
+                                         place(vectorAt<Dim>(particles.position, p)), ": ", error.what()));
+            }
+            for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
+        }
     }
 
   private:

@@ -2,6 +2,7 @@
 """Materials, as registered in pkg/mpm/material, and the single-point driver."""
 
 import copy
+import weakref
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from .spatial import PER_PARTICLE, isSpatial, valuesAt
 class Material(Attributed):
     """Base of all materials.
 
-    Some parameters may vary in space, as the class tells: a function of positions (N, dim) at which
+    Numbers may vary in space, but for the density: a function of positions (N, dim) at which
     particles are made, a profile [(elevation, value), ...], an array in the order of body.id, or
     "per particle", and you set the field of that name of the body yourself.
     """
@@ -34,6 +35,10 @@ class Material(Attributed):
         return self.__dict__.setdefault("_given", {})
 
     def _assign(self, name, value):
+        if name == "lame" and self._hasNoLame() and value is not None:
+            raise ValueError(
+                f"{type(self).__name__}: lame is given, and young or poisson varies in space; give one of them"
+            )
         mayVary = any(p["name"] == name and p["mayVary"] for p in self._core.parameters())
         if mayVary and isSpatial(value):
             self._core.vary(name, True)
@@ -46,12 +51,19 @@ class Material(Attributed):
     def __getattr__(self, name):
         if not name.startswith("_") and name in self._spatial:
             return self._spatial[name]
+        if name == "lame" and self._hasNoLame():
+            return None
         return super().__getattr__(name)
+
+    def _hasNoLame(self):
+        """Whether the Lame constants vary in space, since those do that they follow from."""
+        return not {"young", "poisson"}.isdisjoint(self._spatial)
 
     def attributes(self):
         """Dict of all attributes that have a value; "per particle" for those that vary in space."""
         values = super().attributes() | dict.fromkeys(self._spatial, PER_PARTICLE)
-        return {name: values[name] for name in self._attributeNames() if name in values}
+        names = [n for n in self._attributeNames() if n != "lame" or not self._hasNoLame()]
+        return {name: values[name] for name in names if name in values}
 
     def _markUsed(self, name):
         super()._markUsed(name)
@@ -78,6 +90,14 @@ class Material(Attributed):
             values = valuesAt(f"{who} of body '{body.name}'", spec, body.position, body.id)
             self._checkRange(name, values)
             setattr(body, name, values)
+        if self._spatial and PER_PARTICLE not in [s for s in self._spatial.values() if isinstance(s, str)]:
+            body._core.takeParameters()
+        self._bodies.append(weakref.ref(body))
+
+    @property
+    def _bodies(self):
+        """Weak references to the bodies of this material."""
+        return self.__dict__.setdefault("_given to", [])
 
     def _checkRange(self, name, values):
         """Refuses values of particles that the parameter of this name may not have."""
@@ -99,13 +119,22 @@ class Material(Attributed):
 
     @property
     def waveSpeed(self):
-        """Speed of compression waves, m/s."""
-        return self._core.waveSpeed
+        """Speed of compression waves, m/s; of parameters that vary in space, see lameConstants."""
+        lame, mu = self.lameConstants
+        return float(np.sqrt((lame + 2 * mu) / self.density))
 
     @property
     def lameConstants(self):
-        """Elastic constants (lambda, mu), kPa."""
-        return self._core.lameConstants
+        """Elastic constants (lambda, mu), kPa. Of parameters that vary in space: the largest among the
+        particles, and nan before they have values."""
+        if not self._spatial:
+            return self._core.lameConstants
+        bodies = [body for ref in self._bodies if (body := ref()) is not None and body.count]
+        try:
+            moduli = [body._core.largestStiffness() for body in bodies if body in body.scene.bodies]
+        except ValueError:  # "per particle", and not set yet
+            moduli = []
+        return tuple(np.max(moduli, axis=0).tolist()) if moduli else (np.nan, np.nan)
 
 
 def isBeam(material):

@@ -194,7 +194,8 @@ class LoopPolicy:
 
 def followsStress(material):
     """Whether the stiffness of a law is another one under pressure; True where the law cannot tell."""
-    pressure, state = material.lameConstants[1], dict.fromkeys(material._spatial, 0.0)
+    core = material._core
+    pressure, state = core.lameConstants[1], {name: core.value(name) or 1.0 for name in material._spatial}
     try:
         free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
     except ValueError:  # its stress follows from F alone, and so does its stiffness

@@ -180,4 +180,4 @@ def _stiffness(bodies):
     """The elastic material of some bodies, None where they are of several."""
     materials = [body.material for body in bodies]
     isOne = materials and all(m == materials[0] for m in materials)
-    return materials[0] if isOne and hasattr(materials[0], "lame") else None
+    return materials[0] if isOne and getattr(materials[0], "lame", None) else None

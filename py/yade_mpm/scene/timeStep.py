@@ -230,7 +230,7 @@ class TimeStep:
         bounds."""
         scene = self._scene
         stages = [e for e in scene.engines if not isinstance(e, Callback)]
-        numbers = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
+        numbers = [(tuple(b.material._core.lameConstants), b.inertiaScale) for b in scene.bodies]
         numbers += [getattr(e, name) for e in stages for name in BLENDS.get(type(e).__name__, ())]
         kinds = [(type(e).__name__, e.dead) for e in stages]
         return numbers, kinds, [b.implicit for b in scene.bodies], scene._dt, scene.allowUnstable

@@ -14,6 +14,7 @@ import yade_mpm as mpm
 STRONG = dict(density=2.0, young=3e4, poisson=0.25, cohesion=1e6, frictionAngle=0.0)
 SAND = dict(STRONG, cohesion=1.0, frictionAngle=0.55, dilatancyAngle=0.1)
 BULK = 3e4 / (3 * 0.5)
+CLAY = dict(density=2.0, young=3e4, poisson=0.25)
 laws = pytest.mark.parametrize("law", ["MohrCoulomb", "MohrCoulombDruckerPrager"])
 
 
@@ -55,3 +56,35 @@ def testTheCriticalStepFollowsThePresentStiffness(law):
         soil.stress = -pressure * np.tile(np.eye(3), (soil.count, 1, 1))
         steps.append(scene.criticalTimeStep())
     assert steps[0] / steps[1] == pytest.approx(2, rel=1e-9)
+
+
+@pytest.mark.parametrize("m", [0.5, 1.0])
+def testClayInTotalStressStiffensAlike(m):
+    point = mpm.MaterialPoint(mpm.Tresca(**CLAY, undrainedStrength=1e3, pressureExponent=m), -50 * np.eye(3))
+    for _ in range(400):
+        stress = point.strain(-0.01 / 3 / 400 * np.eye(3))
+    strain = 0.01 * BULK / 100**m
+    exact = (50 ** (1 - m) + (1 - m) * strain) ** (1 / (1 - m)) if m < 1 else 50 * np.exp(strain)
+    assert -stress[0, 0] == pytest.approx(exact, rel=0.005)
+    assert point.stiffness[1] == pytest.approx(1.2e4 * (exact / 100) ** m, rel=0.005)
+
+
+def testTheStrengthOfClayIsNotThatOfThePressure():
+    for p in (25, 400):
+        law = mpm.Tresca(**CLAY, undrainedStrength=20, pressureExponent=0.5)
+        curve = mpm.elementTest.triaxial(law, p, 0.06, drained=False, steps=300)
+        assert curve.q[-1] == pytest.approx(40, rel=1e-9)
+        assert curve.q[1] == pytest.approx(3 * 1.2e4 * (p / 100) ** 0.5 * 0.06 / 300, rel=1e-3)
+
+
+def testClayIsStiffByItsStrengthOrByItsPressure():
+    with pytest.raises(ValueError, match="rigidity = 100 and pressureExponent = 0.5 are given together"):
+        mpm.Tresca(density=2, poisson=0.3, rigidity=100, undrainedStrength=20, pressureExponent=0.5)
+
+
+def testTheExponentOfSanisandIsThatOfItsStiffness():
+    given = dict(density=1.5, frictionAngle=0.54, criticalVoidRatio=0.934, compression=0.019)
+    for power in (0.5, 0.8):
+        law = mpm.Sanisand(**given, initialVoidRatio=0.8, pressureExponent=power)
+        low, high = (mpm.MaterialPoint(law, -p * np.eye(3)).stiffness for p in (50.0, 200.0))
+        assert high[1] / low[1] == pytest.approx(4**power, rel=1e-12)

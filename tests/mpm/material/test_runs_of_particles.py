@@ -49,6 +49,7 @@ MATERIALS = {
     "softening soil": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, residualCohesion=2, softeningStrain=0.01),
     "clay": lambda: mpm.Tresca(**CLAY, **SOFTENS, lame=(9e3, 6e3)),
     "rigid clay": lambda: mpm.Tresca(**CLAY, poisson=0.45, rigidity=500),
+    "stiffening clay": lambda: mpm.Tresca(**CLAY, lame=(9e3, 6e3), pressureExponent=0.5),
     "Cam-Clay": lambda: mpm.ModifiedCamClay(**OLD_CLAY),
     "NorSand": lambda: mpm.NorSand(**SAND, shearModulus=1e3),
     "undrained Cam-Clay": lambda: mpm.ModifiedCamClay(**OLD_CLAY, waterBulk=1e4),

@@ -3,12 +3,14 @@
 551-563).
 
 Set-up: weightless clay (Tresca), su = su0 + k z, half of the problem; the footing is held nodes of the
-surface that may slide, and its edge the middle of the cell beside the last one. Mesh, 7 cells per half width.
+surface that may slide, and its edge the middle of the cell beside the last one. Mesh, 7 cells per half width;
+boxes, 14. The nodes stay while the soil sinks, so the load of boxes is that of a travel of less than a
+quarter of a cell.
 Reference: the slip-line field, by the method of characteristics (`pressureUnder`): with s1 at an angle t from
 the vertical, dp + 2 su dt = -k dx along t + 45 degrees and dp - 2 su dt = k dx along t - 45 degrees, from the
-free surface through the fan at the edge to the footing. Tolerance: 5 % (4.6 and 2.6 % too low found); the
-reference itself 1e-12 for k = 0 (2 + pi), 0.1 % between nets. Control: the load of clay with the strength of
-its surface is 14 and 38 % lower.
+free surface through the fan at the edge to the footing. Tolerance: 5 % (found: mesh 3.5 and 2.0 %, boxes 3.2
+and 3.8 % too low); the reference itself 1e-12 for k = 0 (2 + pi), 0.1 % between nets. Control: the load of
+clay with the strength of its surface is 14 and 38 % lower.
 """
 
 import numpy as np
@@ -16,7 +18,7 @@ import pytest
 import yade_mpm as mpm
 from setups import chain
 
-SU0, HALF, CELL = 100.0, 3.0, 0.4  # kPa, m, m
+SU0, HALF, CELL, SPEED = 100.0, 3.0, 0.4, 0.03  # kPa, m, m, m/s
 WIDTH, DEPTH = 16.0, 8.0  # m
 
 
@@ -73,6 +75,25 @@ def testTheReferenceIsPrandtlsAndConverges():
         assert bearingFactor(kB, 20) == pytest.approx(bearingFactor(kB, 40), rel=1e-3)
 
 
+def loads(kB, cell, kind, ends):
+    """Mean load between times over half the width and su0."""
+    half = (np.floor(HALF / cell - 0.5 + 1e-6) + 0.5) * cell
+    k = kB * SU0 / (2 * half)
+    clay = mpm.Tresca(
+        density=2.0, lame=(4e5 / 3, 1e5), undrainedStrength=[(0, SU0 + k * DEPTH), (DEPTH, SU0)]
+    )
+    scene = mpm.Scene((0, 0), (WIDTH, DEPTH + 4 * cell), cell=cell, threads=1)
+    scene.add("clay", mpm.box((0, 0), (WIDTH, DEPTH)), clay, kind)
+    nodes = mpm.box((-cell, DEPTH - 0.1 * cell), (half - 0.4 * cell, DEPTH + 3 * cell))
+    footing = mpm.Hold(nodes, velocity=(None, -SPEED), ramp=0.3, name="footing")
+    scene.engines = chain(roller=("left", "right"), fixed="bottom", hold=footing, damping=0.5)
+    impulses = []
+    for end in ends:
+        scene.run(until=end, progress=False)
+        impulses.append(abs(footing.impulse[1]))
+    return np.diff(impulses) / np.diff(ends) / half / SU0
+
+
 @pytest.mark.parametrize("kB, ofSurface", [(1, 0.86), (5, 0.62)])
 @pytest.mark.verifies(
     "Strip footing on clay that gets stronger with depth: limit load",
@@ -80,20 +101,20 @@ def testTheReferenceIsPrandtlsAndConverges():
     tolerance=0.05,
 )
 def testAFootingBearsWhatTheStrengthBelowItAllows(kB, ofSurface, verified):
-    half = (np.floor(HALF / CELL - 0.5 + 1e-6) + 0.5) * CELL
-    k = kB * SU0 / (2 * half)
-    clay = mpm.Tresca(
-        density=2.0, lame=(4e5 / 3, 1e5), undrainedStrength=[(0, SU0 + k * DEPTH), (DEPTH, SU0)]
-    )
-    scene = mpm.Scene((0, 0), (WIDTH, DEPTH + 4 * CELL), cell=CELL, threads=1)
-    scene.add("clay", mpm.box((0, 0), (WIDTH, DEPTH)), clay, mpm.APDI(size=CELL))
-    nodes = mpm.box((-CELL, DEPTH - 0.1 * CELL), (half - 0.4 * CELL, DEPTH + 3 * CELL))
-    footing = mpm.Hold(nodes, velocity=(None, -0.03), ramp=0.3, name="footing")
-    scene.engines = chain(roller=("left", "right"), fixed="bottom", hold=footing, damping=0.5)
-    scene.run(until=2.7, progress=False)
-    before = footing.impulse[1]
-    scene.run(until=3.5, progress=False)
-    load = abs(footing.impulse[1] - before) / 0.8 / half / SU0
     exact = bearingFactor(kB)
-    verified(load, exact)
+    verified(loads(kB, CELL, mpm.APDI(size=CELL), (2.7, 3.5)), exact)
     assert (2 + np.pi) / exact == pytest.approx(ofSurface, abs=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kB", [1, 5])
+@pytest.mark.verifies(
+    "The same of boxes, as the limit load is reached",
+    reference="slip lines, by characteristics",
+    tolerance=0.05,
+)
+def testBoxesBearItUntilTheNodesLeaveTheSoil(kB, verified):
+    """Control: after a travel of a quarter of a cell the load has fallen."""
+    verified(loads(kB, CELL / 2, mpm.UGIMP(perCell=2), (1.1, 2.3)), bearingFactor(kB))
+    peak, _, last = loads(kB, CELL, mpm.UGIMP(perCell=2), (1.1, 1.9, 2.7, 3.5))
+    assert last < 0.985 * peak

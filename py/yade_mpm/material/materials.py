@@ -37,7 +37,7 @@ class Material(Attributed):
     def _assign(self, name, value):
         if name == "lame" and self._hasNoLame() and value is not None:
             raise ValueError(
-                f"{type(self).__name__}: lame is given, and young or poisson varies in space; give one of them"
+                f"{type(self).__name__}: lame is given, and young or poisson varies; give one of them"
             )
         mayVary = any(p["name"] == name and p["mayVary"] for p in self._core.parameters())
         if mayVary and isSpatial(value):

@@ -143,6 +143,11 @@ def _made(scene, side, motion, times, behind):
         )
     if not isinstance(rock, Material):
         raise TypeError(f"viscous: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
+    if not getattr(rock, "lame", None):
+        raise ValueError(
+            f"viscous: behind = {type(rock).__name__} has no stiffness of its own, or one that varies; give "
+            "a material with numbers, e.g. mpm.LinearElastic(...)"
+        )
     first, second = rock.lame
     axis, isUpper = FACES[scene.dim][side]
     if behind is None and (water := waterOf(scene)) and any(body._core.hasPores for body in near):

@@ -183,8 +183,9 @@ def test_the_code_of_a_howto_page_runs(page, execute):
 
 
 def runInYade(page, folder):
-    """Runs the one script of a page in YADE."""
-    (script,) = BLOCKS.findall((DOC / page).read_text())
+    """Runs a script, or the one of a page, in YADE."""
+    text = (DOC / page).read_text()
+    (script,) = [text] if page.endswith(".py") else BLOCKS.findall(text)
     (folder / "page.py").write_text(script)
     environment = {
         "PYTHONPATH": str(Path(mpm.__file__).parents[1]),
@@ -227,7 +228,7 @@ def test_the_tutorial_in_yade_runs(tmp_path):
 
 @inYade
 def test_the_tutorial_on_rocks_runs(tmp_path):
-    done = runInYade("tutorial/rocks.md", tmp_path)
+    done = runInYade("tutorial/rocks.py", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     across, along = (float(share) for share in re.findall(r" (\d\.\d\d) of", done.stdout))
     assert 0.2 < across < 0.6 and 0.5 < along < 0.8

@@ -303,7 +303,9 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
                 if (mover.stiff >= 0) velocity[mover.node] += mover.part * state.changes[mover.stiff];
         };
     }
-    state.system.findDiagonal();
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        state.matrix.assemble(region, state.system, scene.grid.strides);
+    });
 }
 
 // On the nodes of implicit bodies.

@@ -6,8 +6,8 @@
 // the mean of the gradient over the cell inside of the soil, and that of its particles at a surface (parts).
 // The matrix
 //     A = C + H + dt B M^-1 B^T,   C = n V_c/(K_w dt)
-// with the flow H u between cells and to where the water is free, is symmetric and positive; it is never
-// formed.
+// with the flow H u between cells and to where the water is free, is symmetric and positive; step/PoreMatrix.hpp
+// solves with it.
 //
 // Cells that a structure cuts hand a share of their flow to neighbours with more soil, and have the same
 // share of their pressure (step/PoreSolids.hpp). Of a node that several groups move, v is the mean by their
@@ -48,6 +48,7 @@ template <int Dim> class PoreSystem {
         Vec<Dim> step;                         // dt over the mass where it may move, else 0, s/Mg
         Vec<Dim> stiffStep = Vec<Dim>::Zero(); // the same of implicit bodies, as if each node were alone
         std::array<int, NC> cells;             // around it, -1: none; in the order of its corner in them
+        bool isOther = false;                  // couples more than the cells around it
     };
     struct Face {
         int before, beyond; // cells
@@ -144,9 +145,36 @@ template <int Dim> class PoreSystem {
             cells[outlet.cell].flow += outlet.conductance;
             cells[outlet.cell].source += outlet.source;
         }
-        for (auto* vector : {&direction_, &product_}) vector->resize(unknowns);
-        for (auto* vector : {&acting_, &flow_}) vector->resize(cells.size());
-        impulse_.resize(nodes.size());
+        flow_.resize(cells.size());
+        ofShare_.assign(cells.size() + 1, 0);
+        for (const Share& share : shares) ++ofShare_[share.from + 1];
+        for (size_t c = 0; c < cells.size(); ++c) ofShare_[c + 1] += ofShare_[c];
+    }
+    // Of B what a corner has of a cell, m2.
+    Vec<Dim> cornerFlow(const Cell& cell, int corner) const {
+        Vec<Dim> flow = cell.volume * slopeAt(cell, corner);
+        for (int k = 0; k < Dim; ++k) flow[k] *= cornerSign(corner, k);
+        return flow;
+    }
+    // f(unknown, flow): all of B that a node has; an unknown may come several times.
+    template <class F> void forFlows(int node, F&& f) const {
+        const auto hand = [&](int c, const Vec<Dim>& flow) {
+            if (c < unknowns) f(c, cells[c].own * flow);
+            for (int i = ofShare_[c]; i < ofShare_[c + 1]; ++i) f(shares[i].to, shares[i].part * flow);
+        };
+        for (int a = 0; a < NC; ++a)
+            if (const int c = nodes[node].cells[a]; c >= 0) hand(c, cornerFlow(cells[c], a));
+        for (int i = ofNode_[node]; i < ofNode_[node + 1]; ++i)
+            hand(parts[byNode_[i]].cell, parts[byNode_[i]].flow);
+    }
+    // Once the steps of the nodes are known: which couple more than the cells around them.
+    void findOthers() {
+        for (size_t n = 0; n < nodes.size(); ++n) {
+            Node& node = nodes[n];
+            node.isOther = ofNode_[n + 1] > ofNode_[n] || !node.stiffStep.isZero();
+            for (int c : node.cells)
+                node.isOther = node.isOther || (c >= 0 && (c >= unknowns || ofShare_[c + 1] > ofShare_[c]));
+        }
     }
 
     // B v of the velocities of the nodes, m3/s.
@@ -202,87 +230,6 @@ template <int Dim> class PoreSystem {
         }
     }
 
-    // Once the steps of the nodes are known.
-    void findDiagonal() {
-        const auto own = [&](const Cell& cell) {
-            double sum = 0;
-            for (int a = 0; a < NC; ++a) {
-                const Node& node = nodes[cell.corner[a]];
-                sum += slopeAt(cell, a).cwiseAbs2().dot(node.step + node.stiffStep);
-            }
-            return cell.volume * cell.volume * sum;
-        };
-        overDiagonal_.resize(unknowns);
-        for (int c = 0; c < unknowns; ++c) {
-            const Cell& cell = cells[c];
-            overDiagonal_[c] = cell.storage + cell.flow + cell.own * cell.own * own(cell);
-            for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) {
-                const Node& node = nodes[parts[i].node];
-                overDiagonal_[c] += parts[i].flow.cwiseAbs2().dot(node.step + node.stiffStep);
-            }
-        }
-        for (const Share& share : shares)
-            overDiagonal_[share.to] += share.part * share.part * own(cells[share.from]);
-        for (double& value : overDiagonal_) value = 1 / value;
-    }
-
-    // Solves A u = right from the u that is there, until no cell is off by more than `tolerance` kPa of
-    // storage. Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads.
-    int solve(ParallelRegion& region, const std::vector<double>& right, double tolerance, int most,
-              std::vector<double>& u, std::vector<double>& residual) {
-        const int n = unknowns;
-        multiply(region, u, product_);
-        region.chunks(n, [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) residual[c] = right[c] - product_[c];
-        });
-        double before = 0;
-        for (int iteration = 0;; ++iteration) {
-            if (isDone(region, residual, tolerance)) return iteration;
-            if (iteration == most) return -1;
-            const double now =
-                sumOf(region, [&](int c) { return residual[c] * residual[c] * overDiagonal_[c]; });
-            const double part = iteration > 0 ? now / before : 0;
-            before = now;
-            region.chunks(n, [&](int begin, int end) {
-                for (int c = begin; c < end; ++c)
-                    direction_[c] = overDiagonal_[c] * residual[c] + (part > 0 ? part * direction_[c] : 0);
-            });
-            multiply(region, direction_, product_);
-            const double length = now / sumOf(region, [&](int c) { return direction_[c] * product_[c]; });
-            region.chunks(n, [&](int begin, int end) {
-                for (int c = begin; c < end; ++c) {
-                    u[c] += length * direction_[c];
-                    residual[c] -= length * product_[c];
-                }
-            });
-        }
-    }
-
-    // y = A x, by all threads.
-    void multiply(ParallelRegion& region, const std::vector<double>& x, std::vector<double>& y) {
-        const bool isCut = !shares.empty();
-        if (isCut) region.once([&] { findActing(x, acting_); });
-        const std::vector<double>& acting = isCut ? acting_ : x;
-        region.chunks(int(nodes.size()), [&](int begin, int end) {
-            for (int i = begin; i < end; ++i)
-                impulse_[i] = force(nodes[i], acting).cwiseProduct(nodes[i].step);
-        });
-        if (respond) region.once([&] { respond(acting, impulse_); });
-        const auto add = [&](int c, double flow) { y[c] = cells[c].storage * x[c] + flowAway(c, x) + flow; };
-        region.chunks(int(cells.size()), [&](int begin, int end) {
-            for (int c = begin; c < end; ++c)
-                if (const double flow = flowOf(c, impulse_); isCut)
-                    flow_[c] = flow;
-                else
-                    add(c, flow);
-        });
-        if (!isCut) return;
-        region.once([&] {
-            handFlow();
-            for (int c = 0; c < unknowns; ++c) add(c, flow_[c]);
-        });
-    }
-
   private:
     static const Vec<Dim>& slopeAt(const Cell& cell, int corner) {
         return cell.slopes[cornerSign(corner, 0) > 0];
@@ -323,12 +270,8 @@ template <int Dim> class PoreSystem {
     std::vector<int> ofCell_, ofNode_; // first part of each, and the end
     std::vector<int> byNode_;          // parts, by their node
     std::vector<std::array<std::pair<int, double>, 2 * Dim>> beside_;
-    std::vector<double> overDiagonal_, direction_, product_;
-    std::vector<double> acting_, flow_; // of all cells
-    std::vector<Vec<Dim>> impulse_;
-    OrderedSum sum_;
-    double total_ = 0;
-    char isDone_ = 0;
+    std::vector<int> ofShare_; // first share from each cell, and the end
+    std::vector<double> flow_; // of all cells
 
     double flowOf(int c, const std::vector<Vec<Dim>>& velocity) const {
         double sum = 0;
@@ -346,22 +289,6 @@ template <int Dim> class PoreSystem {
         for (size_t i = 0; i < shares.size(); ++i) handed[i] = shares[i].part * flow_[shares[i].from];
         for (int c = 0; c < unknowns; ++c) flow_[c] *= cells[c].own;
         for (size_t i = 0; i < shares.size(); ++i) flow_[shares[i].to] += handed[i];
-    }
-    template <class F> double sumOf(ParallelRegion& region, F&& f) {
-        const int n = unknowns;
-        region.once([&] { sum_.clear(n); });
-        region.chunks(n, [&](int begin, int end) {
-            double sum = 0;
-            for (int c = begin; c < end; ++c) sum += f(c);
-            sum_.of(begin) = sum;
-        });
-        region.once([&] { total_ = sum_.total(); });
-        return total_;
-    }
-    bool isDone(ParallelRegion& region, const std::vector<double>& residual, double tolerance) {
-        return sumOf(region, [&](int c) {
-                   return std::abs(residual[c]) > tolerance * cells[c].storage ? 1.0 : 0.0;
-               }) == 0;
     }
 };
 

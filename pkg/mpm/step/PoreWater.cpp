@@ -49,7 +49,9 @@ std::vector<Parameter> PoreWater::attributes() {
             {"iterations", "", "Iterations of the last step.", &iterations},
             {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
             {"inflow", "m3/s", "What entered it.", &inflow},
-            {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt}};
+            {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt},
+            {"changes", "kPa", "Rows (cell, change of its pressure in the first and in the second solution).",
+             &changes}};
 }
 
 void PoreWater::finish() {
@@ -93,6 +95,9 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     state.owed.assign(scene.grid.count, 0.0);
     for (size_t i = 0; i + 1 < debt.size(); i += 2) state.owed[int(debt[i])] = debt[i + 1];
+    for (auto& one : state.guesses) one.assign(scene.grid.count, 0.0);
+    for (size_t i = 0; i + 2 < changes.size(); i += 3)
+        for (int k = 0; k < 2; ++k) state.guesses[k][int(changes[i])] = changes[i + 1 + k];
     for (auto& body : scene.bodies) {
         if (PoreState::in(body->particles) < 0) continue;
         if (!first) first = body.get();
@@ -152,13 +157,14 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     }
     state.change.assign(system.unknowns, 0.0);
     state.excess = state.before;
-    closeBalance(scene, state);
+    closeBalance(scene, state, 0);
     accelerate(scene, state);
     addWork(scene, state);
 }
 
-// The change of the pressure with which the balance closes for the velocity that is there.
-template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state) {
+// The change of the pressure with which the balance closes for the velocity that is there. It begins with that of
+// the step before: waves and loads last for several steps, and a third of the iterations or more is saved.
+template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution) {
     auto& system = state.system;
     parallel(scene.threads,
              [&](ParallelRegion& region) { system.flowOut(region, state.velocity, state.flow); });
@@ -167,17 +173,21 @@ template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& s
         state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +
                            system.flowAway(c, state.excess) - cell.source + state.owed[cell.number]);
     }
-    state.change.assign(system.unknowns, 0.0);
+    auto& last = state.guesses[solution];
+    for (int c = 0; c < system.unknowns; ++c) state.change[c] = last[system.cells[c].number];
     solve(scene, state, state.change);
-    for (int c = 0; c < system.unknowns; ++c) state.excess[c] += state.change[c];
+    for (int c = 0; c < system.unknowns; ++c) {
+        state.excess[c] += state.change[c];
+        last[system.cells[c].number] = state.change[c];
+    }
     system.findActing(state.change, state.acting);
 }
 
 template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
     int needed = 0;
     parallel(scene.threads, [&](ParallelRegion& region) {
-        const int found =
-            state.system.solve(region, state.right, tolerance, mostIterations, u, state.residual);
+        const int found = state.matrix.solve(region, state.system, state.right, tolerance, mostIterations, u,
+                                             state.residual);
         region.once([&] { needed = found; });
     });
     if (needed < 0)
@@ -252,7 +262,7 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
             state.velocity[mover.node][k] +=
                 mover.part * (mover.stiff < 0 ? field.velocityOf(number, k) : field.motion[number][k]);
     }
-    closeBalance(scene, state);
+    closeBalance(scene, state, 1);
     for (const Mover& mover : state.movers) {
         if (mover.stiff >= 0) continue;
         const auto& node = system.nodes[mover.node];
@@ -268,12 +278,8 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
         scene.template find<ImplicitBodies>()->strain(scene, state.response, state.impulses);
     }
     std::fill(state.owed.begin(), state.owed.end(), 0.0);
-    debt.clear();
-    for (int c = 0; c < system.unknowns; ++c) {
-        const auto& cell = system.cells[c];
-        state.owed[cell.number] = -state.residual[c];
-        debt.insert(debt.end(), {double(cell.number), -state.residual[c]});
-    }
+    for (int c = 0; c < system.unknowns; ++c) state.owed[system.cells[c].number] = -state.residual[c];
+    keepForNext(state);
     outflow = inflow = 0;
     for (const auto& outlet : system.outlets) {
         const double out = outlet.conductance * state.excess[outlet.cell] - outlet.source;
@@ -283,106 +289,21 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     liftAll(scene, scene.time + scene.dt);
 }
 
-// Of the excess in a cell, limited by its neighbours (van Leer 1977), kPa/m.
-template <int Dim>
-Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int c) const {
-    const Grid<Dim>& grid = scene.grid;
-    const int number = state.system.cells[c].number;
-    Vec<Dim> slope = Vec<Dim>::Zero();
-    for (int k = 0; k < Dim; ++k) {
-        const int low = state.system.cellAt(number - grid.strides[k]),
-                  high = state.system.cellAt(number + grid.strides[k]);
-        if (low < 0 || high < 0) continue;
-        const double x = state.fill[number].centre[k];
-        const double before = (state.excess[c] - state.excess[low]) /
-                              (x - state.fill[state.system.cells[low].number].centre[k]);
-        const double after = (state.excess[high] - state.excess[c]) /
-                             (state.fill[state.system.cells[high].number].centre[k] - x);
-        if (before * after > 0)
-            slope[k] = std::copysign(
-                std::min(0.5 * std::abs(before + after), 2 * std::min(std::abs(before), std::abs(after))),
-                before);
-    }
-    return slope;
-}
-
-// Between the faces of the cell linear along each axis, as the flow through them is, m/s.
-template <int Dim>
-Vec<Dim> PoreWater::flowAt(const Grid<Dim>& grid, const State<Dim>& state, int cell, const Vec<Dim>& x) {
-    const auto& speeds = state.system.speeds[state.system.cellAt(cell)];
-    const Vec<Dim> edges = grid.edges(cell), middle = grid.centre(grid.indices(cell));
-    Vec<Dim> flow;
-    for (int k = 0; k < Dim; ++k) {
-        const double part = std::clamp((x[k] - middle[k]) / edges[k] + 0.5, 0.0, 1.0);
-        flow[k] = speeds[0][k] + part * (speeds[1][k] - speeds[0][k]);
-    }
-    return flow;
-}
-
-template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
-    std::vector<Vec<Dim>> slope(state.system.unknowns);
-    for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
-    state.system.findSpeeds(state.excess);
-    const WaterTable end = tableAt(scene, scene.time + scene.dt);
-    for (auto& wet : state.fill.wet) {
-        for (int p = 0; p < wet.body->particles.size(); ++p) {
-            if (!(wet.saturation[p] > 0)) continue;
-            const Vec<Dim> x = vectorAt<Dim>(wet.body->particles.position, p);
-            double excess = 0;
-            for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
-                const int c = state.system.cellAt(wet.cell[point]);
-                excess += state.excess[c] + slope[c].dot(x - state.fill[wet.cell[point]].centre);
-            }
-            wet.pressure[p] = excess / wet.points.per(p) + end.pressure<Dim>(x);
-            const Vec<Dim> flow = flowAt(scene.grid, state, wet.cell[wet.points.at(p)], x);
-            for (int k = 0; k < Dim; ++k) wet.flow[k][p] = flow[k];
-        }
-    }
-}
-
-// Water has the reference pressure around all that is below the table: soil that is full of it, and what has
-// no water.
-template <int Dim> void PoreWater::liftAll(Scene<Dim>& scene, double time) {
-    const WaterTable water = tableAt(scene, time);
-    for (auto& body : scene.bodies)
-        if (PoreState::in(body->particles) >= 0 || !table.empty()) lift(scene, *body, water);
-}
-
-// Buoyancy, and what the slope of the table drives: the body force of the reference pressure, m/s2. In a body
-// without water it is that of the faces of each domain, taken as a square: in a row of them the pressures at
-// its ends are left.
-template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water) {
-    auto& particles = body.particles;
-    particles.needBodyForce();
-    const double* const saturation =
-        PoreState::in(particles) >= 0 ? WetBody<Dim>(body).saturation : nullptr; // else all is below
-    const double h = scene.grid.smallestCell()[0];
-    const auto across = [&](Vec<Dim> x, int k, double width, auto&& value) {
-        x[k] -= 0.5 * width;
-        const double before = value(x);
-        x[k] += width;
-        return (value(x) - before) / width;
-    };
-    const auto pressure = [&](const Vec<Dim>& x) { return water.pressure<Dim>(x); };
-    const auto level = [&](const Vec<Dim>& x) { return water.level<Dim>(x); };
-    for (int p = 0; p < particles.size(); ++p) {
-        const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
-        const double volume = particles.initialVolume.plane()[p];
-        Vec<Dim> force = Vec<Dim>::Zero();
-        if (!saturation) {
-            const double width = std::pow(volume / scene.grid.thicknessAt(x[0]), 1.0 / Dim);
-            for (int k : {0, Dim - 1}) force[k] = -across(x, k, width, pressure);
-        } else if (saturation[p] > 0 && pressure(x) > 0) {
-            force[Dim - 1] = water.weight;
-            force[0] -= water.weight * across(x, 0, h, level);
-        }
-        force *= volume / particles.mass.plane()[p];
-        for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];
+// What a checkpoint has to know.
+template <int Dim> void PoreWater::keepForNext(const State<Dim>& state) {
+    debt.clear();
+    changes.clear();
+    for (int c = 0; c < state.system.unknowns; ++c) {
+        const int number = state.system.cells[c].number;
+        debt.insert(debt.end(), {double(number), -state.residual[c]});
+        changes.insert(changes.end(), {double(number), state.guesses[0][number], state.guesses[1][number]});
     }
 }
 
 template void PoreWater::act(Scene<2>&);
 template void PoreWater::act(Scene<3>&);
+template WaterTable PoreWater::tableAt(const Scene<2>& scene, double time) const;
+template WaterTable PoreWater::tableAt(const Scene<3>& scene, double time) const;
 
 MPM_REGISTER(Engine, PoreWater);
 

@@ -5,6 +5,7 @@
 
 #include "mpm/step/GridSolver.hpp"
 #include "mpm/step/ImpulseResponse.hpp"
+#include "mpm/step/PoreMatrix.hpp"
 #include "mpm/step/PoreSolids.hpp"
 
 #include <tuple>
@@ -13,7 +14,7 @@ namespace mpm {
 
 class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public VelocityCoupling {
   public:
-    std::vector<double> table, rise, heads, drained, inflows, debt;
+    std::vector<double> table, rise, heads, drained, inflows, debt, changes;
     double permeability = 1e-7, porosity = 0.4; // of what is added with it
     double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0, inflow = 0;
     int iterations = 0;
@@ -39,8 +40,14 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
         double part;
         int stiff = -1; // place in the response of implicit bodies, -1: none of theirs
     };
+    // Excess and flow in a cell, both linear.
+    template <int Dim> struct InCell {
+        Vec<Dim> centre, slope;     // of the excess: m, kPa/m
+        Vec<Dim> lower, flow, gain; // least corner, m; flow there, m/s; its growth along each axis, 1/s
+    };
     template <int Dim> struct State {
         PoreSystem<Dim> system;
+        PoreMatrix<Dim> matrix;
         PoreFill<Dim> fill;
         PoreSolids<Dim> solids;
         std::vector<Mover> movers; // in the order of the nodes
@@ -50,6 +57,8 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
         std::vector<double> before, excess, change, right, residual, flow; // of the unknowns
         std::vector<double> acting;                                        // of the cells of the system
         std::vector<double> owed;                                          // of each cell of the grid
+        std::array<std::vector<double>, 2> guesses; // of the changes in both solutions, of each cell
+        std::vector<InCell<Dim>> inCells;           // of the unknowns
         int field = 0;
     };
     std::tuple<State<2>, State<3>> states_;
@@ -70,15 +79,15 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> static void setSteps(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim>
     static void findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting);
-    template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution);
     template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u);
     template <int Dim> void accelerate(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void addWork(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void coupleAs(Scene<Dim>& scene);
+    template <int Dim> void keepForNext(const State<Dim>& state);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
-    template <int Dim>
-    static Vec<Dim> flowAt(const Grid<Dim>& grid, const State<Dim>& state, int cell, const Vec<Dim>& x);
+    template <int Dim> InCell<Dim> inCell(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
     template <int Dim> void liftAll(Scene<Dim>& scene, double time);
     template <int Dim> void lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water);
 };

@@ -67,7 +67,7 @@ STATES = {
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
     "ViscousBoundary": ("held", "work"),
-    "PoreWater": ("iterations", "outflow", "inflow", "debt"),
+    "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes"),
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",

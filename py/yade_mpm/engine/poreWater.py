@@ -105,7 +105,7 @@ in front of it takes in what the soil sucks, as if it rained."""
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
         mine, its = (one.attributes() for one in (self, other))
-        ignored = ("permeability", "porosity", "iterations", "outflow", "inflow", "debt", "label")
+        ignored = ("permeability", "porosity", "iterations", "outflow", "inflow", "debt", "changes", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
     @takes(body=BODY)

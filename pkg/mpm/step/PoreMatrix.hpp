@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The matrix of the pore pressure, A = C + H + dt B M^-1 B^T (step/PoreSystem.hpp), stored by its stencil, and
+// conjugate gradients with it. A node couples the cells around it, so a row has 3 x 3 cells (3D: 27), and half of
+// them are stored, since A is symmetric. Rows have the places of their cells in the grid: the neighbours of a run
+// of cells are then runs, too, and loops over them vectorise. Nodes at a surface and beside structures, which
+// couple more cells, are applied one by one ("others").
+#pragma once
+
+#include "mpm/base/parallel/OrderedSum.hpp"
+#include "mpm/step/PoreSystem.hpp"
+
+#include <cmath>
+
+namespace mpm {
+
+template <int Dim> class PoreMatrix {
+  public:
+    // Once the steps of the nodes are known. strides: of the grid.
+    void assemble(ParallelRegion& region, PoreSystem<Dim>& system, const Index<Dim>& strides) {
+        region.once([&] {
+            system.findOthers();
+            makeRoom(system, strides);
+            findOthers(system);
+        });
+        region.chunks(unknowns_, [&](int begin, int end) {
+            for (int c = begin; c < end; ++c) fillRow(system, c);
+        });
+        region.once([&] { addFaces(system); });
+        findDiagonal(region, system);
+    }
+
+    // y = A x, by all threads.
+    void multiply(ParallelRegion& region, const PoreSystem<Dim>& system, const std::vector<double>& x,
+                  std::vector<double>& y) {
+        region.once([&] { spread(x, direction_); });
+        findProduct(region, system);
+        region.once([&] { collect(product_, y); });
+    }
+
+    // Solves A u = right from the u that is there, until no cell is off by more than `tolerance` kPa of
+    // storage. Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads.
+    int solve(ParallelRegion& region, const PoreSystem<Dim>& system, const std::vector<double>& right,
+              double tolerance, int most, std::vector<double>& u, std::vector<double>& residual) {
+        region.once([&] {
+            for (int c = 0; c < unknowns_; ++c) limit_[place_[c]] = tolerance * system.cells[c].storage;
+            spread(u, direction_);
+            spread(u, solution_);
+            spread(right, residual_);
+        });
+        findProduct(region, system);
+        double before = 0;
+        int iteration = 0;
+        for (advance(region, 0, 1); off_ > 0; ++iteration) {
+            if (iteration == most) return -1;
+            const double part = iteration > 0 ? now_ / before : 0;
+            before = now_;
+            region.chunks(unknowns_, [&](int begin, int) {
+                forRuns(begin, [&](int first, int last) {
+#pragma GCC ivdep
+                    for (int p = first; p < last; ++p)
+                        direction_[p] = overDiagonal_[p] * residual_[p] + part * direction_[p];
+                });
+            });
+            findProduct(region, system);
+            advance(region, now_ / power_, now_ / power_);
+        }
+        region.once([&] {
+            collect(solution_, u);
+            collect(residual_, residual);
+        });
+        return iteration;
+    }
+
+  private:
+    static constexpr int around = Dim == 2 ? 9 : 27, ahead = around / 2;
+    struct Entry { // of B: a velocity of another node, m2
+        int at;    // cell, or place among the others
+        Vec<Dim> flow;
+    };
+    struct Run {
+        int first, last; // places
+    };
+
+    int unknowns_ = 0;
+    std::vector<int> place_;                        // of each unknown
+    std::vector<Run> runs_;                         // of unknowns side by side, cut at the ends of chunks
+    std::vector<int> firstRun_;                     // of each chunk, and the end
+    std::array<int, ahead> steps_;                  // to the neighbours beyond
+    std::array<std::vector<double>, ahead> beyond_; // of the matrix, m3/(kPa s)
+    std::vector<double> diagonal_, overDiagonal_, limit_, solution_, residual_, direction_, product_;
+    std::vector<int> others_;                // numbers of nodes
+    std::vector<int> ofOther_, ofCell_;      // first entry of each, and the end
+    std::vector<Entry> byOther_, byCell_;    // with the cell, and with the place among the others
+    std::vector<Vec<Dim>> impulse_, answer_; // of the others; of all nodes
+    std::vector<double> unknown_, acting_;   // for implicit bodies
+    OrderedSum sum_, count_;
+    double now_ = 0, off_ = 0, power_ = 0; // r D^-1 r; cells beyond the tolerance; d A d
+
+    void makeRoom(const PoreSystem<Dim>& system, const Index<Dim>& strides) {
+        unknowns_ = system.unknowns;
+        int margin = 0;
+        for (int k = 0; k < Dim; ++k) margin += strides[k];
+        for (int s = 0; s < ahead; ++s) {
+            steps_[s] = 0;
+            for (int k = 0, rest = s + ahead + 1; k < Dim; ++k, rest /= 3)
+                steps_[s] += (rest % 3 - 1) * strides[k];
+        }
+        const int first = unknowns_ > 0 ? system.cells[0].number : 0;
+        const int size = unknowns_ > 0 ? system.cells[unknowns_ - 1].number - first + 1 + 2 * margin : 0;
+        place_.resize(unknowns_);
+        runs_.clear();
+        firstRun_.clear();
+        for (int c = 0; c < unknowns_; ++c) {
+            place_[c] = system.cells[c].number - first + margin;
+            if (c % chunkSize == 0) firstRun_.push_back(int(runs_.size()));
+            if (c % chunkSize == 0 || place_[c] != place_[c - 1] + 1) runs_.push_back({place_[c], place_[c]});
+            runs_.back().last = place_[c] + 1;
+        }
+        firstRun_.push_back(int(runs_.size()));
+        for (auto& one : beyond_) one.assign(size, 0.0);
+        for (auto* one :
+             {&diagonal_, &overDiagonal_, &limit_, &solution_, &residual_, &direction_, &product_})
+            one->assign(size, 0.0);
+    }
+    template <class F> void forRuns(int begin, F&& f) const {
+        const int chunk = begin / chunkSize;
+        for (int i = firstRun_[chunk]; i < firstRun_[chunk + 1]; ++i) f(runs_[i].first, runs_[i].last);
+    }
+    void spread(const std::vector<double>& values, std::vector<double>& places) const {
+        for (int c = 0; c < unknowns_; ++c) places[place_[c]] = values[c];
+    }
+    void collect(const std::vector<double>& places, std::vector<double>& values) const {
+        values.resize(unknowns_);
+        for (int c = 0; c < unknowns_; ++c) values[c] = places[place_[c]];
+    }
+
+    // Nodes that couple more than the cells around them, and what they do to each unknown.
+    void findOthers(const PoreSystem<Dim>& system) {
+        others_.clear();
+        byOther_.clear();
+        ofOther_.assign(1, 0);
+        for (int n = 0; n < int(system.nodes.size()); ++n) {
+            if (!system.nodes[n].isOther) continue;
+            others_.push_back(n);
+            const auto first = byOther_.insert(byOther_.end(), {}) - byOther_.begin();
+            system.forFlows(n, [&](int c, const Vec<Dim>& flow) { byOther_.push_back({c, flow}); });
+            mergeFrom(first);
+            ofOther_.push_back(int(byOther_.size()));
+        }
+        ofCell_.assign(unknowns_ + 1, 0);
+        for (const Entry& entry : byOther_) ++ofCell_[entry.at + 1];
+        for (int c = 0; c < unknowns_; ++c) ofCell_[c + 1] += ofCell_[c];
+        byCell_.resize(byOther_.size());
+        std::vector<int> next(ofCell_.begin(), ofCell_.end() - 1);
+        for (int i = 0; i < int(others_.size()); ++i)
+            for (int j = ofOther_[i]; j < ofOther_[i + 1]; ++j)
+                byCell_[next[byOther_[j].at]++] = {i, byOther_[j].flow};
+        impulse_.resize(others_.size());
+    }
+    // One entry for each cell.
+    void mergeFrom(size_t first) {
+        std::stable_sort(byOther_.begin() + first, byOther_.end(),
+                         [](const Entry& a, const Entry& b) { return a.at < b.at; });
+        size_t n = first;
+        for (size_t i = first; i < byOther_.size(); ++i)
+            if (n > first && byOther_[n - 1].at == byOther_[i].at)
+                byOther_[n - 1].flow += byOther_[i].flow;
+            else
+                byOther_[n++] = byOther_[i];
+        byOther_.resize(n);
+    }
+
+    // Of a row what is on the diagonal and beyond, without the others and without flow to the neighbours.
+    void fillRow(const PoreSystem<Dim>& system, int c) {
+        const auto& cell = system.cells[c];
+        std::array<double, around> row{};
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const auto& node = system.nodes[cell.corner[a]];
+            if (node.isOther) continue;
+            const Vec<Dim> own = system.cornerFlow(cell, a).cwiseProduct(node.step);
+            for (int b = 0; b < corners<Dim>; ++b) {
+                int step = 0; // to the cell of which the node is corner b
+                for (int k = Dim - 1; k >= 0; --k)
+                    step = 3 * step + 1 + (cornerSign(a, k) - cornerSign(b, k)) / 2;
+                if (step >= ahead && node.cells[b] >= 0)
+                    row[step] += own.dot(system.cornerFlow(system.cells[node.cells[b]], b));
+            }
+        }
+        diagonal_[place_[c]] = cell.storage + cell.flow + row[ahead];
+        for (int s = 0; s < ahead; ++s) beyond_[s][place_[c]] = row[ahead + 1 + s];
+    }
+    // What scales the residual.
+    void findDiagonal(ParallelRegion& region, const PoreSystem<Dim>& system) {
+        region.chunks(unknowns_, [&](int begin, int end) {
+            for (int c = begin; c < end; ++c) {
+                double sum = diagonal_[place_[c]];
+                for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) {
+                    const auto& node = system.nodes[others_[byCell_[i].at]];
+                    sum += byCell_[i].flow.cwiseAbs2().dot(node.step + node.stiffStep);
+                }
+                overDiagonal_[place_[c]] = 1 / sum;
+            }
+        });
+    }
+    void addFaces(const PoreSystem<Dim>& system) {
+        for (const auto& face : system.faces) {
+            int s = 0; // of the step by one along the axis
+            for (int k = 0, three = 1; k <= face.axis; ++k, three *= 3) s = three - 1;
+            beyond_[s][place_[face.before]] -= face.conductance;
+        }
+    }
+
+    // product = A direction, and power.
+    void findProduct(ParallelRegion& region, const PoreSystem<Dim>& system) {
+        if (!others_.empty()) findImpulses(region, system);
+        region.once([&] { sum_.clear(unknowns_); });
+        region.chunks(unknowns_, [&](int begin, int end) {
+            forRuns(begin, [&](int first, int last) { multiplyRun(first, last); });
+            if (ofCell_[end] > ofCell_[begin])
+                for (int c = begin; c < end; ++c)
+                    for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+                        product_[place_[c]] += byCell_[i].flow.dot(impulse_[byCell_[i].at]);
+            double sum = 0;
+            forRuns(begin, [&](int first, int last) {
+#pragma omp simd reduction(+ : sum)
+                for (int p = first; p < last; ++p) sum += direction_[p] * product_[p];
+            });
+            sum_.of(begin) = sum;
+        });
+        region.once([&] { power_ = sum_.total(); });
+    }
+    void multiplyRun(int first, int last) {
+        const double* const x = direction_.data();
+        double* const y = product_.data();
+        const double* const d = diagonal_.data();
+#pragma GCC ivdep
+        for (int p = first; p < last; ++p) y[p] = d[p] * x[p];
+        for (int s = 0; s < ahead; ++s) {
+            const int step = steps_[s];
+            const double* const a = beyond_[s].data();
+#pragma GCC ivdep
+            for (int p = first; p < last; ++p) y[p] += a[p] * x[p + step] + a[p - step] * x[p - step];
+        }
+    }
+    void findImpulses(ParallelRegion& region, const PoreSystem<Dim>& system) {
+        region.chunks(int(others_.size()), [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                Vec<Dim> force = Vec<Dim>::Zero();
+                for (int j = ofOther_[i]; j < ofOther_[i + 1]; ++j)
+                    force += direction_[place_[byOther_[j].at]] * byOther_[j].flow;
+                impulse_[i] = force.cwiseProduct(system.nodes[others_[i]].step);
+            }
+        });
+        if (!system.respond) return;
+        region.once([&] {
+            collect(direction_, unknown_);
+            system.findActing(unknown_, acting_);
+            answer_.assign(system.nodes.size(), Vec<Dim>::Zero());
+            system.respond(acting_, answer_);
+            for (size_t i = 0; i < others_.size(); ++i) impulse_[i] += answer_[others_[i]];
+        });
+    }
+
+    // u += length d and r -= loss A d, and what is left.
+    void advance(ParallelRegion& region, double length, double loss) {
+        region.once([&] {
+            sum_.clear(unknowns_);
+            count_.clear(unknowns_);
+        });
+        region.chunks(unknowns_, [&](int begin, int) {
+            double sum = 0, off = 0;
+            forRuns(begin, [&](int first, int last) {
+#pragma omp simd reduction(+ : sum, off)
+                for (int p = first; p < last; ++p) {
+                    solution_[p] += length * direction_[p];
+                    residual_[p] -= loss * product_[p];
+                    sum += residual_[p] * residual_[p] * overDiagonal_[p];
+                    off += std::abs(residual_[p]) > limit_[p] ? 1.0 : 0.0;
+                }
+            });
+            sum_.of(begin) = sum;
+            count_.of(begin) = off;
+        });
+        region.once([&] {
+            now_ = sum_.total();
+            off_ = count_.total();
+        });
+    }
+};
+
+} // namespace mpm

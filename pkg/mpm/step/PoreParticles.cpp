@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What particles get from the balance of water: pressure, flow, and the body force of the reference pressure.
+#include "mpm/step/PoreWater.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mpm {
+
+// Of the excess in a cell, limited by its neighbours (van Leer 1977), kPa/m.
+template <int Dim>
+Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int c) const {
+    const Grid<Dim>& grid = scene.grid;
+    const int number = state.system.cells[c].number;
+    Vec<Dim> slope = Vec<Dim>::Zero();
+    for (int k = 0; k < Dim; ++k) {
+        const int low = state.system.cellAt(number - grid.strides[k]),
+                  high = state.system.cellAt(number + grid.strides[k]);
+        if (low < 0 || high < 0) continue;
+        const double x = state.fill[number].centre[k];
+        const double before = (state.excess[c] - state.excess[low]) /
+                              (x - state.fill[state.system.cells[low].number].centre[k]);
+        const double after = (state.excess[high] - state.excess[c]) /
+                             (state.fill[state.system.cells[high].number].centre[k] - x);
+        if (before * after > 0)
+            slope[k] = std::copysign(
+                std::min(0.5 * std::abs(before + after), 2 * std::min(std::abs(before), std::abs(after))),
+                before);
+    }
+    return slope;
+}
+
+template <int Dim>
+PoreWater::InCell<Dim> PoreWater::inCell(const Scene<Dim>& scene, const State<Dim>& state, int c) const {
+    const int number = state.system.cells[c].number;
+    const auto& speeds = state.system.speeds[c];
+    const Vec<Dim> edges = scene.grid.edges(number);
+    return {state.fill[number].centre, slopeOf(scene, state, c),
+            scene.grid.centre(scene.grid.indices(number)) - 0.5 * edges, speeds[0],
+            (speeds[1] - speeds[0]).cwiseQuotient(edges)};
+}
+
+template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
+    const WaterTable end = tableAt(scene, scene.time + scene.dt);
+    state.system.findSpeeds(state.excess);
+    state.inCells.resize(state.system.unknowns);
+    const auto give = [&](WetBody<Dim>& wet, int p) {
+        const Vec<Dim> x = vectorAt<Dim>(wet.body->particles.position, p);
+        double excess = 0;
+        const int first = wet.points.at(p), count = wet.points.per(p);
+        for (int point = first; point < first + count; ++point) {
+            const int c = state.system.cellAt(wet.cell[point]);
+            excess += state.excess[c] + state.inCells[c].slope.dot(x - state.inCells[c].centre);
+        }
+        wet.pressure[p] = excess / count + end.pressure<Dim>(x);
+        const auto& in = state.inCells[state.system.cellAt(wet.cell[first])];
+        const Vec<Dim> flow = in.flow + in.gain.cwiseProduct(x - in.lower);
+        for (int k = 0; k < Dim; ++k) wet.flow[k][p] = flow[k];
+    };
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        region.chunks(state.system.unknowns, [&](int begin, int end) {
+            for (int c = begin; c < end; ++c) state.inCells[c] = inCell(scene, state, c);
+        });
+        for (auto& wet : state.fill.wet)
+            region.chunksNoWait(wet.body->particles.size(), [&](int begin, int end) {
+                for (int p = begin; p < end; ++p)
+                    if (wet.saturation[p] > 0) give(wet, p);
+            });
+    });
+}
+
+// Water has the reference pressure around all that is below the table: soil that is full of it, and what has
+// no water.
+template <int Dim> void PoreWater::liftAll(Scene<Dim>& scene, double time) {
+    const WaterTable water = tableAt(scene, time);
+    for (auto& body : scene.bodies)
+        if (PoreState::in(body->particles) >= 0 || !table.empty()) lift(scene, *body, water);
+}
+
+// Buoyancy, and what the slope of the table drives: the body force of the reference pressure, m/s2. In a body
+// without water it is that of the faces of each domain, taken as a square: in a row of them the pressures at
+// its ends are left.
+template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water) {
+    auto& particles = body.particles;
+    particles.needBodyForce();
+    const double* const saturation =
+        PoreState::in(particles) >= 0 ? WetBody<Dim>(body).saturation : nullptr; // else all is below
+    const double h = scene.grid.smallestCell()[0];
+    const auto across = [&](Vec<Dim> x, int k, double width, auto&& value) {
+        x[k] -= 0.5 * width;
+        const double before = value(x);
+        x[k] += width;
+        return (value(x) - before) / width;
+    };
+    const auto pressure = [&](const Vec<Dim>& x) { return water.pressure<Dim>(x); };
+    const auto level = [&](const Vec<Dim>& x) { return water.level<Dim>(x); };
+    const auto liftOne = [&](int p) {
+        const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
+        const double volume = particles.initialVolume.plane()[p];
+        Vec<Dim> force = Vec<Dim>::Zero();
+        if (!saturation) {
+            const double width = std::pow(volume / scene.grid.thicknessAt(x[0]), 1.0 / Dim);
+            for (int k : {0, Dim - 1}) force[k] = -across(x, k, width, pressure);
+        } else if (saturation[p] > 0 && pressure(x) > 0) {
+            force[Dim - 1] = water.weight;
+            force[0] -= water.weight * across(x, 0, h, level);
+        }
+        force *= volume / particles.mass.plane()[p];
+        for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];
+    };
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        region.chunks(particles.size(), [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) liftOne(p);
+        });
+    });
+}
+
+template void PoreWater::giveToParticles(Scene<2>& scene, State<2>& state);
+template void PoreWater::liftAll(Scene<2>& scene, double time);
+template void PoreWater::giveToParticles(Scene<3>& scene, State<3>& state);
+template void PoreWater::liftAll(Scene<3>& scene, double time);
+
+} // namespace mpm

@@ -10,7 +10,8 @@ import yade_mpm as mpm
 from yade_mpm import Parameter, app, box, plot
 
 TOP, LENGTH, LEFT, RIGHT = 8.0, 6.5, 8.0, 9.0  # m: ground, length of the wall, its faces (any two cells)
-EI, WEIGHT, GAMMA, PROP = 71820.0, 0.118, 18.0, 2e4  # kN m2/m, Mg/m2, kN/m3, kN/m per metre
+EI, EA, WEIGHT = 71820.0, 3.2e6, 0.118  # kN m2/m, kN/m, Mg/m2: AZ 18
+GAMMA, PROP = 18.0, 2e4  # kN/m3, kN/m per metre
 STAGES = (("gravity", 0, 0.5), ("dig to -2 m", 2, 1.0), ("dig to -4 m", 4, 2.0))  # name, depth (m), time (s)
 CELL = Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=0.5)
 REST = Parameter("rest", 1.0, "factor on the time of each stage", above=0)
@@ -27,13 +28,13 @@ def byHand(dig=4.0, Ka=1 / 3, propAt=1.0):  # prop force, kN/m, and largest mome
 def main():
     a = PARAMETERS.parse()
     sand = mpm.MohrCoulomb(density=GAMMA / 9.81, young=3e4, poisson=0.3, cohesion=0.5, frictionAngle=pi / 6)
-    steel = mpm.LinearElastic(density=WEIGHT / (RIGHT - LEFT), young=12 * EI / (RIGHT - LEFT) ** 3, poisson=0)
+    middle, bottom = (LEFT + RIGHT) / 2, TOP - LENGTH
+    sheet = mpm.Beam([(middle, bottom), (middle, TOP)], EI=EI, EA=EA, weight=WEIGHT, thickness=RIGHT - LEFT)
     scene = mpm.Scene((0, 0), (17, 9), a.cell, gravity=9.81, damping=0.5, threads=a.threads)
     scene.fix("bottom")
     scene.roller("left", "right")
-    shaft = box((LEFT, TOP - LENGTH), (RIGHT, TOP))
-    soil = scene.add("soil", box((0, 0), (17, TOP)) - shaft, sand, mpm.UGIMP())
-    wall = scene.add("wall", shaft, steel, mpm.APDI(size=a.cell / 2), implicit=True)
+    soil = scene.add("soil", box((0, 0), (17, TOP)) - sheet.region, sand, mpm.UGIMP())
+    wall = scene.add("wall", sheet)
     scene.contact(wall, soil).sharedCells = False  # for a smooth, plane wall
     scene.initialStress(surface=TOP, K0=0.5, bodies=[soil])
     scene.history(every=0.02 * a.rest)

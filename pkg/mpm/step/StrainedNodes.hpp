@@ -50,6 +50,7 @@ template <int Dim> class StrainedNodes {
                 {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], {}});
             findOf(body, p, body.particles.mass.plane()[p] * gravity, isIn);
             particles.back().end = int(entries.size());
+            if (particles.back().rows > 0) beamRows.resize(entries.size());
         }
     }
 

@@ -199,7 +199,7 @@ def alongBeam(body, axis, at):
 
 def _sectionsOf(body, vertices):
     """Middles of the cross-sections of a `Beam` in their order, m (N, 2); of a ring the first one again."""
-    count = (len(vertices) - len(body._core.tables()["slaves"])) // 2  # see Beam.hpp
+    count = (max(body._core.tables()["masters"]) + 1) // 2  # see Beam.hpp
     middle = (vertices[:count] + vertices[count : 2 * count]) / 2
     isClosed = np.count_nonzero(body.cells == 0) == 2
     return np.concatenate((middle, middle[:1])) if isClosed else middle

@@ -120,16 +120,23 @@ class Beam:
 
 
 def _mesh(right, left, isClosed, across):
-    """A mesh between two faces, each piece cut in two along it and some across; all vertices but those
-    of the sections on the faces hang on these."""
+    """A mesh between two faces, each piece cut in two along it and some across; the vertices that are not on
+    the faces of sections hang on these, but for those inside of the ends (BeamEnds.hpp)."""
     count = len(right) - isClosed
     points, cells = [*right[:count], *left[:count]], []
-    masters, shares, inside = [], [], {}  # inside: row of vertices of a section that two elements share
+    slaves, masters, shares, inside = (
+        [],
+        [],
+        [],
+        {},
+    )  # inside: row of vertices of a section that two elements share
 
-    def hang(corner, weights):
+    def hang(corner, weights, isAtEnd):
         points.append(weights @ np.array([points[v] for v in np.where(corner < 0, 0, corner)]))
-        masters.append(corner)
-        shares.append(weights)
+        if not isAtEnd:
+            slaves.append(len(points) - 1)
+            masters.append(corner)
+            shares.append(weights)
         return len(points) - 1
 
     def row(corner, x):  # of vertices across an element, x: part of the way along it
@@ -146,7 +153,8 @@ def _mesh(right, left, isClosed, across):
             weights = np.stack([1 - y, y, 0 * y, 0 * y], axis=1)
         ends = section or (None, None)
         made = [ends[0], *[None] * (across - 1), ends[1]]
-        made = [hang(on, w) if v is None else v for v, w in zip(made, weights)]
+        isAtEnd = section is not None and not isShared
+        made = [hang(on, w, isAtEnd) if v is None else v for v, w in zip(made, weights)]
         if isShared:
             inside[section] = made
         return made
@@ -156,9 +164,8 @@ def _mesh(right, left, isClosed, across):
         rows = [row(np.array([start, end, count + end, count + start]), x) for x in range(ALONG + 1)]
         for one, two in zip(rows, rows[1:]):
             cells += [(one[j], two[j], two[j + 1], one[j + 1]) for j in range(across)]
-    slaves = np.arange(2 * count, len(points))
     hanging = np.reshape(masters, (-1, 4)).astype(int), np.reshape(shares, (-1, 4)).astype(float)
-    return Mesh(np.array(points), np.array(cells), slaves, *hanging)
+    return Mesh(np.array(points), np.array(cells), np.array(slaves, int), *hanging)
 
 
 def _checkLine(line):

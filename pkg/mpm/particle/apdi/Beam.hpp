@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A mesh that resists like a beam: elements between cross-sections, with the state of their material
-// (material/BeamSection.cpp). The vertices that stand by themselves are first those on the right faces of the
-// sections, along the line, then those on the left ones; all others hang on the four of an element, whose domains
-// follow each other.
+// (material/BeamSection.cpp). The vertices are first those on the right faces of the sections, along the line, then
+// those on the left ones; all others hang on the four of an element, whose domains follow each other, but for those
+// inside of the ends (BeamEnds.hpp).
 #pragma once
 
 #include "mpm/particle/apdi/BeamElement.hpp"
-#include "mpm/particle/apdi/DomainMesh.hpp"
+#include "mpm/particle/apdi/BeamEnds.hpp"
 #include "mpm/state/Particles.hpp"
 
 #include <vector>
@@ -22,18 +22,27 @@ class Beam {
     void restored(const DomainMesh<2>& mesh, const Particles<2>& particles, const SectionStiffness& section,
                   bool isRound) {
         parts_.clear();
+        ends_.clear();
+        const std::vector<int>& masters = mesh.vertices.hanging.masters;
+        const int sections =
+            masters.empty() ? 0 : (*std::max_element(masters.begin(), masters.end()) + 1) / 2;
         for (int p = 0; p < mesh.domains(); ++p) {
-            const Vertices corner = sectionsOf(mesh, p);
+            const Vertices corner = sectionsOf(mesh, p, sections);
             if (parts_.empty() || parts_.back().corner != corner)
                 parts_.push_back(
                     {BeamElement(at(mesh.vertices.reference, corner), section, isRound), corner, p});
             parts_.back().end = p + 1;
+            ends_.find(mesh, p, 2 * sections, corner, parts_.back().element.stiffnessAtEnd());
         }
+        ends_.found();
         energy_ = energyOf(mesh, particles);
     }
 
+    const BeamEnds& ends() const { return ends_; }
+
     // Forces of the elements on the vertices, kN.
     void addForces(const DomainMesh<2>& mesh, const Particles<2>& particles, double* const force[2]) const {
+        ends_.addForces(mesh, force);
         for (const Part& part : parts_) {
             const auto s = strained(mesh, particles, part);
             for (int r = 0; r < BeamElement::rows; ++r)
@@ -95,6 +104,7 @@ class Beam {
         int first, end = 0; // of its domains
     };
     std::vector<Part> parts_;
+    BeamEnds ends_;
     double energy_ = 0; // elastic, kJ
 
     static Corners<2> at(const Field& positions, const Vertices& corner) {
@@ -105,12 +115,12 @@ class Beam {
     }
 
     // The vertices of the element that domain p belongs to.
-    static Vertices sectionsOf(const DomainMesh<2>& mesh, int p) {
-        const auto& hanging = mesh.vertices.hanging;
-        const int sections = (mesh.vertices.size() - hanging.count()) / 2;
+    static Vertices sectionsOf(const DomainMesh<2>& mesh, int p, int sections) {
         std::vector<int> found;
         for (int a = 0; a < 4; ++a)
-            hanging.through(mesh.corner[4 * p + a], [&](int v, double) { found.push_back(v); });
+            mesh.vertices.hanging.through(mesh.corner[4 * p + a], [&](int v, double) {
+                if (v < 2 * sections) found.push_back(v);
+            });
         std::sort(found.begin(), found.end());
         found.erase(std::unique(found.begin(), found.end()), found.end());
         require(found.size() == 4 && found[1] < sections && found[2] >= sections, "Beam: domain ", p,
@@ -128,7 +138,7 @@ class Beam {
     }
 
     double energyOf(const DomainMesh<2>& mesh, const Particles<2>& particles) const {
-        double sum = 0;
+        double sum = ends_.energy(mesh);
         for (const Part& part : parts_) sum += part.element.energy(strained(mesh, particles, part));
         return sum;
     }

@@ -46,6 +46,9 @@ class BeamElement {
     // Of a row: force in the section per metre of its width from k e, kN or kN m.
     double overVolume() const { return 1 / volume_; }
 
+    // Of a spring that holds a point of an end section on its line, as stiff as the section against its stretch, kN/m.
+    double stiffnessAtEnd() const { return stiffness_[pinchA] / start_.across[0].squaredNorm(); }
+
     // What the corners strain; hinges: angles psi at both ends.
     Strained strained(const Corners<2>& x, const double hinges[2]) const {
         const Place now(x);

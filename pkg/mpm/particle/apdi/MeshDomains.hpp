@@ -115,11 +115,13 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
                  typename Mesh<Dim>::Rows& rows) const override {
         if constexpr (Dim == 2) {
             int count = 0;
-            if (beam_.isHere())
+            if (beam_.isHere()) {
                 beam_.ifFirst(p, mesh_, particles,
                               [&](const auto& element, const auto& vertices, const auto& s) {
                                   count = addRows(element, vertices, s, each, rows);
                               });
+                beam_.ends().ifTied(p, [&](const auto& tie) { count = addRows(tie, each, rows); });
+            }
             return count;
         }
         return 0;
@@ -175,6 +177,27 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
                 each(node, row);
             });
         return most;
+    }
+
+    // A row for each axis; a domain with a tie is not the first of an element.
+    int addRows(const BeamEnds::Tie& tie, const typename Mesh<Dim>::EachRow& each,
+                typename Mesh<Dim>::Rows& rows) const {
+        const Vec<2> gap = BeamEnds::gap(mesh_, tie);
+        for (int k = 0; k < Dim; ++k) {
+            rows.stiffness[k] = tie.k;
+            rows.force[k] = tie.k * gap[k];
+        }
+        const auto add = [&](int vertex, double share) {
+            Base::forNodes(vertex, [&](int node, double part, double S) {
+                double row[Mesh<Dim>::mostRows][Dim] = {};
+                for (int k = 0; k < Dim; ++k) row[k][k] = share * part * S;
+                each(node, row);
+            });
+        };
+        add(tie.vertex, 1);
+        add(tie.right, tie.part(0));
+        add(tie.left, tie.part(1));
+        return Dim;
     }
 
     // visit(begin, end) for domains whose stiffness against patterns is that of now.

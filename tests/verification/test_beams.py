@@ -76,6 +76,26 @@ def test_a_propped_beam_has_three_eighths_of_its_load_on_the_prop(verified):
     verified(forces.M.min(), -9 / 128 * LOAD * LENGTH**2)
 
 
+@pytest.mark.parametrize("isSolid", [False, True])
+def test_the_peak_at_a_point_force_is_lower_by_an_eighth_of_force_times_cell(isSolid):
+    """The force acts on the nodes of the cells round it; with four cells in the span that is 12.5 %."""
+    scene, span, F = mpm.Scene((0, 0), (3, 2), CELL, threads=1), 4 * CELL, 1.0
+    solid = mpm.LinearElastic(density=WEIGHT / 0.5, young=12 * EI / 0.5**3, poisson=0)
+    beam = mpm.Beam([(1, 1), (1 + span, 1)], EI=EI, EA=EA, weight=WEIGHT, thickness=0.5)
+    if isSolid:
+        body = scene.add("beam", beam.region, solid, mpm.APDI(size=0.125), implicit=True)
+    else:
+        body = scene.add("beam", beam)
+    ends = [
+        mpm.Hold(box((x - 0.01, 0.7), (x + 0.01, 1.3)), velocity=(None, 0), name=f"at {x}")
+        for x in (1, 1 + span)
+    ]
+    scene.engines = chain(mpm.Force(body, (1 + span / 2, 1), (0, -F)), hold=ends)
+    scene.dt = 1.0
+    forces = solved(scene, 40)
+    assert np.abs(forces.M).max() == pytest.approx(F * span / 4 - F * CELL / 8, rel=0.005)
+
+
 @pytest.mark.parametrize("part", [0.3, 0.6])
 @pytest.mark.verifies("Beam: buckling load", reference="Euler", tolerance=0.02)
 def test_a_column_buckles_under_the_load_of_euler(part, verified):

@@ -67,8 +67,8 @@ def sectionForces(body, axis=None, at=None) -> SectionForces:
     axis : "x", "y", "z" or a vector along the body; default: its longest side.
     at : positions of sections along the axis, m, a number or several; default: the lines of the grid that the
         body crosses. There the moments are exact for what acts on the nodes; between two lines the moment is
-        linear, and misses q h^2/8 of a load q. A point load acts on the nodes of the cells round it, so the
-        peak beside it is lower. At an end of the body N and Q are those half a cell inside.
+        linear, and misses q h^2/8 of a load q, and F h/8 of the peak at a point load F, which acts on the
+        nodes of the cells round it. At an end of the body N and Q are those half a cell inside.
 
     Of a `Beam` they are those of its own sections; where its line is not straight, by the length along it.
 

@@ -40,8 +40,9 @@ template <int Dim> class CellAverage {
         double uneven = 1;             // factor of its rate of volume change
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
         double taken = 0;              // flux of holes beside it, m3/s
-        double shared = 0; // m3, of the volume that it shares with a body of another group (SharedCells)
-        Vec<Dim> centre;   // of the particles
+        double shared = 0;   // m3, of the volume that it shares with a body of another group (SharedCells),
+        bool isOpen = false; // where a gap parts both
+        Vec<Dim> centre;     // of the particles
     };
 
     // Which particles are in which cell, see ParticleCells, and their volume and mean stress; called by all threads, and

@@ -194,16 +194,16 @@ template <int Dim> double SharedCells<Dim>::meanStressIn(const Scene<Dim>& scene
     return sum;
 }
 
-// Tells the bodies with boxes in a taker their part of its volume, negative where it is open, and how far inside of all
-// material a closed one lies.
+// Tells the bodies with boxes in a taker their part of its volume, whether it is open, and how far inside of all material
+// a closed one lies.
 template <int Dim> void SharedCells<Dim>::tell(const Scene<Dim>& scene, int number, const Taker& taker) {
     const double soils = coverOfSoils(scene, number);
     for (auto& body : scene.bodies) {
         const int group = body->velocityField;
         auto* cell = isSoil_[group] && actsByCells(*body) ? body->cellAverage.occupied(number) : nullptr;
         if (!cell) continue;
-        cell->shared =
-            (taker.isClosed ? 1 : -1) * taker.volume * cell->share * coverOf(scene, group, number) / soils;
+        cell->shared = taker.volume * cell->share * coverOf(scene, group, number) / soils;
+        cell->isOpen = !taker.isClosed;
         if (taker.isClosed) cell->inside = insideOfAll(scene, number);
     }
 }

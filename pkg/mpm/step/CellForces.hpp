@@ -35,7 +35,7 @@ class CellForces {
         });
         const MeanOfStress mean(body.particles.stress);
         cells.forEach(region, [&](int c, auto& cell) {
-            const bool isShared = cell.shared > 0;
+            const bool isShared = cell.shared > 0 && !cell.isOpen;
             const double whole = isShared ? cell.shared : cell.share * cell.whole;
             const double outside = 1 - cell.inside;
             const double volume = cells.acting(cell, whole);

@@ -180,14 +180,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto of = [&](int p) { return value[p]; };
         cells.template average<false>(region, volume, of, [&](int number, auto& cell) {
             const double s = cell.inside;
-            const double shared = cell.shared == 0 ? 0 : scene.sharedCells->rate(number);
-            if (cell.shared > 0)
+            const double shared = cell.shared > 0 ? scene.sharedCells->rate(number) : 0;
+            if (cell.shared > 0 && !cell.isOpen)
                 cell.mean = s * shared + (1 - s) * cell.mean;
             else if (byCells)
                 cell.mean =
                     cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
-            if (cell.shared < 0)
-                cell.mean = scene.sharedCells->openRate(number, -cell.shared, dt, cell.mean, shared);
+            if (cell.shared > 0 && cell.isOpen)
+                cell.mean = scene.sharedCells->openRate(number, cell.shared, dt, cell.mean, shared);
             cells.give(number, [&](int, int p) { return cell.mean - value[p]; });
         });
         const MeanOfStress mean(body.particles.stress);
@@ -260,7 +260,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     // m3, of a cell for the particles of a body.
     template <class Cell> static double roomIn(const Cell& cell) {
-        return cell.shared != 0 ? std::abs(cell.shared) : cell.share * cell.whole;
+        return cell.shared > 0 ? cell.shared : cell.share * cell.whole;
     }
 
     // The logarithm of the bulk volume of boxes [begin, end) changes by what they have gained of the opening.

@@ -841,12 +841,14 @@ class UniformAlong(Engine):
     """Makes the scene alike along an axis: all nodes of a row along it move as one."""
 
     axis: Literal['x', 'y', 'z']
+    period: float
     label: str
     dead: bool
     def __init__(
         self,
         *,
         axis: Literal['x', 'y', 'z'] = 'x',
+        period: float = 1,
         label: str = '',
         dead: bool = False,
     ) -> None: ...

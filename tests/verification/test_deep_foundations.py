@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Axisymmetric bodies pressed deep into clay: a cone (scripts/cone.py) and a spudcan (scripts/spudcan.py).
+
+References and their sources are in the docstrings of the scripts.
+"""
+
+import pytest
+from asModules import runScript, script
+
+slow = pytest.mark.slow
+
+
+def run(name, *options):
+    return runScript(name, "--threads", "1", *options)
+
+
+# --- cone -------------------------------------------------------------------------------------------------
+@pytest.mark.verifies("Cone in clay: force on its shaft", reference="adhesion times area", tolerance=0.1)
+def test_a_shaft_bears_its_adhesion_and_no_more(verified):
+    """After one radius; the tip has not come to its limit. Control: a smooth shaft bears nothing."""
+    rough, smooth = (run("cone", "--smoke", "--alpha", alpha) for alpha in ("1", "0"))
+    verified(rough["onShaft"], 1)
+    verified(smooth["onShaft"], 0, scale=1, within=0.02)
+    assert smooth["factor"] < rough["factor"] < smooth["exact"] + 1.3
+
+
+@slow
+@pytest.mark.verifies("Cone in clay after 6 R, 4 cells: N", reference="Lu et al. 2004", tolerance=0.1)
+def test_a_cone_resists_as_published(verified):
+    summary = run("cone", "--way", "6")
+    verified(summary["error"], 0, scale=1)
+    assert 0 < summary["rise"] < 0.06
+
+
+# --- spudcan ----------------------------------------------------------------------------------------------
+def test_the_published_cavity_is_that_of_the_formula():
+    exact = script("spudcan").exact
+    assert [exact(s) for s in (0.25, 0.5, 1.0)] == pytest.approx([0.404, 0.558, 0.75], abs=1e-3)
+
+
+def test_clay_does_not_flow_back_at_first():
+    """The foot is in the ground; the load is between that of a circular footing and a deep one."""
+    summary = run("spudcan", "--smoke")
+    assert summary["cavity"] is None and 6 < summary["factor"] < 12
+
+
+@slow
+@pytest.mark.verifies(
+    "Spudcan in clay: depth of the cavity", reference="Hossain & Randolph 2009", tolerance=0.2
+)
+def test_clay_flows_back_below_the_published_depth(verified):
+    """Control: stronger clay stays open deeper."""
+    weak, strong = (run("spudcan", "--strength", strength) for strength in ("0.25", "0.5"))
+    for summary in (weak, strong):
+        verified(summary["cavity"], summary["exact"])
+    assert strong["cavity"] > 1.3 * weak["cavity"]

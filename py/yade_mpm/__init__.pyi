@@ -35,6 +35,7 @@ from .geometry.meshInput import meshFromArrays as meshFromArrays
 from .geometry.meshInput import meshFromFile as meshFromFile
 from .geometry.meshInput import meshesFromFile as meshesFromFile
 from .geometry.meshRows import inRows as inRows
+from .geometry.polygonFiles import polygonsFromFile as polygonsFromFile
 from .geometry.region import Region as Region
 from .geometry.regions import box as box
 from .geometry.regions import cylinder as cylinder

@@ -88,47 +88,64 @@ template <int Dim> Vec3 mappedVelocity(const Scene<Dim>& scene, const Body<Dim>&
     return velocity;
 }
 
+// A box and the nodes round it: its weights, and H(0). Found once in a step.
+template <int Dim> struct BoxNodes {
+    static constexpr int most = Dim == 2 ? 9 : 27; // a kernel reaches three nodes along an axis at most
+    int count = 0, node[most];
+    double phi[most];
+    Vec<Dim> gradient[most];
+    BoxHats<Dim> inside;
+
+    BoxNodes(const Body<Dim>& soil, const Grid<Dim>& grid, int p) : inside(soil, grid, p, Vec3::Zero()) {
+        soil.domains->weights(p, [this](int i, double weight, const Vec<Dim>& slope) {
+            node[count] = i;
+            phi[count] = weight;
+            gradient[count++] = slope;
+        });
+    }
+};
+
+inline Vec3 vectorOfLanes(const Quad& lanes) { return {lanes[0], lanes[1], lanes[2]}; }
+
 // Velocities of nodes that are mapped from the particles, found once in a step: boxes in touch share them.
 template <int Dim> class MappedVelocities {
   public:
     void begin(const Scene<Dim>& scene) {
         scene_ = &scene;
         ofFields_.resize(scene.grid.fields.size());
-        for (auto& all : ofFields_) all.resize(scene.grid.count);
+        for (auto& all : ofFields_) all.resize(scene.grid.count, Pack<4>::zero());
         ++now_;
     }
 
-    const Vec3& of(const Body<Dim>& soil, int node) {
-        Nodal& there = ofFields_[soil.velocityField][node];
-        if (there.found != now_) there = {mappedVelocity(*scene_, soil, node), now_};
-        return there.velocity;
+    // In three lanes; the last one says in which step it was found.
+    const Quad& of(const Body<Dim>& soil, int node) {
+        Quad& there = ofFields_[soil.velocityField][node].part[0];
+        if (there[3] != now_) {
+            const Vec3 v = mappedVelocity(*scene_, soil, node);
+            there = Quad{v[0], v[1], v[2], now_};
+        }
+        return there;
     }
 
   private:
-    struct Nodal {
-        Vec3 velocity = Vec3::Zero();
-        int64_t found = 0;
-    };
     const Scene<Dim>* scene_ = nullptr;
-    std::vector<std::vector<Nodal>> ofFields_;
-    int64_t now_ = 0;
+    std::vector<std::vector<Pack<4>>> ofFields_;
+    double now_ = 0; // number of the step
 };
 
 // How the nodes round a box strain it and carry it.
 template <int Dim>
-NodalMotion nodalMotionOf(const Scene<Dim>& scene, MappedVelocities<Dim>& velocities, const Body<Dim>& soil,
+NodalMotion nodalMotionOf(MappedVelocities<Dim>& velocities, const Body<Dim>& soil, const BoxNodes<Dim>& box,
                           int p) {
-    NodalMotion motion;
-    Mat<3> gradient = Mat<3>::Zero();
-    soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
-        const Vec3& v = velocities.of(soil, node);
-        motion.centre += phi * v;
-        gradient.template leftCols<Dim>() += v * slope.transpose();
-    });
-    motion.excess = velocityGradientOf(soil, p) - gradient;
-    BoxHats<Dim>(soil, scene.grid, p, Vec3::Zero()).forNodes([&](int node, double H) {
-        motion.inBox += H * velocities.of(soil, node);
-    });
+    Quad centre{}, inBox{}, along[Dim]{};
+    for (int i = 0; i < box.count; ++i) {
+        const Quad& v = velocities.of(soil, box.node[i]);
+        centre += box.phi[i] * v;
+        for (int k = 0; k < Dim; ++k) along[k] += box.gradient[i][k] * v;
+    }
+    box.inside.forNodes([&](int node, double H) { inBox += H * velocities.of(soil, node); });
+    NodalMotion motion{vectorOfLanes(centre), vectorOfLanes(inBox), velocityGradientOf(soil, p)};
+    for (int k = 0; k < Dim; ++k) motion.excess.col(k) -= vectorOfLanes(along[k]);
     return motion;
 }
 
@@ -138,9 +155,9 @@ NodalMotion nodalMotionOf(const Scene<Dim>& scene, MappedVelocities<Dim>& veloci
 template <int Dim>
 Vec3 strainVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil, const NodalMotion& motion,
                     const BoxHats<Dim>& hats, const Vec3& d) {
-    Vec3 v = motion.excess * d - motion.inBox;
+    Quad v{};
     hats.forNodes([&](int node, double H) { v += H * velocities.of(soil, node); });
-    return v;
+    return motion.excess * d - motion.inBox + vectorOfLanes(v);
 }
 
 } // namespace mpm

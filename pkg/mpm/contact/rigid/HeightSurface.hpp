@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace mpm {
@@ -39,23 +40,26 @@ class HeightSurface {
         for (int k = 0; k < axes_; ++k) {
             origin_[k] = given.origin[k];
             spacing_[k] = given.spacing[k];
+            overSpacing_[k] = 1 / given.spacing[k];
         }
         extend(heights);
-        double steepest[2] = {0, 0};
-        for (int a = 0; a < axes_; ++a)
-            for (int i = 0; i < size_[0]; ++i)
-                for (int j = 0; j < size_[1]; ++j) steepest[a] = std::max(steepest[a], rise(i, j, a));
-        longest_ = std::hypot(1.0, steepest[0], steepest[1]);
+        findCurvature();
     }
 
-    // Whether all of the ground is further away than `radius` from a place above it.
-    bool isBeyond(const Vec3& x, double radius) const { return x[axes_] - at(x).height > radius * longest_; }
+    // Whether all of the ground is further away than `radius` from a place above it: so near it is no further
+    // from the tangent plane than by its curvature.
+    bool isBeyond(const Vec3& x, double radius) const {
+        return asPlane(x, x, at(x)).distance > radius + 0.5 * curvature_ * radius * radius;
+    }
 
     // The second foot of the perpendicular follows from the normal at the first: what is left of the error is
-    // (distance over radius of curvature) squared, and nothing on a plane.
-    Surface nearest(const Vec3& x) const {
-        const Surface first = asPlane(x, x);
-        return asPlane(x, x - first.distance * first.normal);
+    // (distance over radius of curvature) squared, and nothing on a plane. Of a place further away than `within`
+    // the first is enough.
+    Surface nearest(const Vec3& x, double within = std::numeric_limits<double>::infinity()) const {
+        const Surface first = asPlane(x, x, at(x));
+        if (first.distance > within + 0.5 * curvature_ * within * within) return first;
+        const Vec3 foot = x - first.distance * first.normal;
+        return asPlane(x, foot, at(foot));
     }
 
   private:
@@ -64,18 +68,25 @@ class HeightSurface {
     };
 
     int size_[2], axes_;
-    double origin_[2] = {0, 0}, spacing_[2] = {1, 1};
-    double longest_ = 1;          // height above the surface over distance from it, at most
+    double origin_[2] = {0, 0}, spacing_[2] = {1, 1}, overSpacing_[2] = {1, 1};
+    double curvature_ = 0;        // 1/m, bound of the second derivative of the heights along any line
     std::vector<double> heights_; // with a row more on every side
 
     double heightAt(int i, int j) const { return heights_[size_t(i + 1) * (size_[1] + 2) + j + 1]; }
 
-    // Steepest rise beside a place of the raster along an axis.
-    double rise(int i, int j, int axis) const {
-        const double here = heightAt(i, j);
-        const double after = axis ? heightAt(i, j + 1) : heightAt(i + 1, j);
-        const double before = axis ? heightAt(i, j - 1) : heightAt(i - 1, j);
-        return std::max(std::abs(after - here), std::abs(here - before)) / spacing_[axis];
+    // The second derivatives are means of the second differences of the heights.
+    void findCurvature() {
+        double bent[2] = {0, 0}, twisted = 0; // along each axis, and both
+        for (int i = 0; i < size_[0]; ++i)
+            for (int j = 0; j < size_[1]; ++j) {
+                const double here = 2 * heightAt(i, j);
+                bent[0] = std::max(bent[0], std::abs(heightAt(i + 1, j) - here + heightAt(i - 1, j)));
+                bent[1] = std::max(bent[1], std::abs(heightAt(i, j + 1) - here + heightAt(i, j - 1)));
+                twisted = std::max(twisted, std::abs(heightAt(i + 1, j + 1) - heightAt(i + 1, j) -
+                                                     heightAt(i, j + 1) + heightAt(i, j)));
+            }
+        const double x = spacing_[0], y = spacing_[1], both = twisted / (x * y);
+        curvature_ = std::hypot(bent[0] / (x * x), bent[1] / (y * y), std::sqrt(2.0) * both);
     }
 
     void extend(const double* heights) {
@@ -100,7 +111,7 @@ class HeightSurface {
         double beyond = 0;                                 // m, from the raster
     };
     Weights weightsAt(double x, int axis) const {
-        const double inCells = (x - origin_[axis]) / spacing_[axis];
+        const double over = overSpacing_[axis], inCells = (x - origin_[axis]) * over;
         const double u = std::clamp(inCells, 0.0, size_[axis] - 1.0);
         Weights w;
         w.middle = int(u + 0.5);
@@ -109,15 +120,14 @@ class HeightSurface {
         w.value[0] = 0.5 * before * before;
         w.value[1] = 0.75 - t * t;
         w.value[2] = 0.5 * after * after;
-        w.slope[0] = -before / spacing_[axis];
-        w.slope[1] = -2 * t / spacing_[axis];
-        w.slope[2] = after / spacing_[axis];
+        w.slope[0] = -before * over;
+        w.slope[1] = -2 * t * over;
+        w.slope[2] = after * over;
         return w;
     }
 
-    // The distance from the tangent plane at the ground above or below a place.
-    Surface asPlane(const Vec3& x, const Vec3& place) const {
-        const Place here = at(place);
+    // The distance from the tangent plane at the ground above or below a place, `here`.
+    Surface asPlane(const Vec3& x, const Vec3& place, const Place& here) const {
         Vec3 foot = place, normal = Vec3::Zero();
         foot[axes_] = here.height;
         for (int a = 0; a < axes_; ++a) normal[a] = -here.slope[a];

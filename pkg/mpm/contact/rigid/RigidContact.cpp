@@ -191,20 +191,37 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     remember(contacts, history);
     fitNewBoxes(points, shape_, known, contacts);
     std::get<MappedVelocities<Dim>>(velocities_).begin(scene);
-    followStrain(scene, points, std::get<MappedVelocities<Dim>>(velocities_), contacts);
-    refuseCrossed(scene, points, contacts, shape_, history);
-
     forces.fill(0);
     torques.fill(0);
     largestPenetration = 0;
     sliding = 0;
     springEnergy = 0;
     RigidBalance<Dim> balance(scene, checkBalance ? bodies() : 0);
+    size_t kept = 0;
     for (RigidContactPoint& c : contacts)
-        if (c.pushes()) push(scene, points[c.soil], c, balance);
+        if (mayTouch(scene, c) && touch(scene, points, c, balance)) {
+            if (&contacts[kept] != &c) contacts[kept] = c;
+            ++kept;
+        }
+    contacts.resize(kept);
     if (checkBalance) balance.check(states, forces, torques);
     history.swap(contacts);
     moveOn(scene.dt);
+}
+
+// Follows one contact, and pushes where it overlaps; returns whether it stays.
+template <int Dim>
+bool RigidContact::touch(Scene<Dim>& scene, const Points<Dim>& points, RigidContactPoint& c,
+                         RigidBalance<Dim>& balance) {
+    const Body<Dim>& soil = *scene.bodies[c.soil];
+    std::optional<BoxNodes<Dim>> ofBox; // a vertex has none
+    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, c.place);
+    const BoxNodes<Dim>* box = ofBox ? &*ofBox : nullptr;
+    if (!followStrain(scene, points[c.soil], std::get<MappedVelocities<Dim>>(velocities_), box, c))
+        return false;
+    refuseCrossed(scene, points[c.soil], c, shape_[c.shape], history);
+    if (c.pushes()) push(scene, points[c.soil], box, c, balance);
+    return true;
 }
 
 void RigidContact::moveOn(double dt) {
@@ -219,8 +236,8 @@ void RigidContact::moveOn(double dt) {
 
 // The force of one contact, on the nodes and on the rigid body.
 template <int Dim>
-void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidContactPoint& c,
-                        RigidBalance<Dim>& balance) {
+void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const BoxNodes<Dim>* box,
+                        RigidContactPoint& c, RigidBalance<Dim>& balance) {
     const Body<Dim>& soil = *scene.bodies[c.soil];
     const RigidState& rigid = states[c.body];
     const int index = points.index(c.place);
@@ -230,8 +247,8 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const double area = points.area(c.place, n);
     const double kn = bodyStiffness_[c.body] * area, kt = shearRatio * kn;
 
-    std::optional<BoxHats<Dim>> ofBox; // a vertex has none
-    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, index, arms.normal);
+    std::optional<BoxHats<Dim>> ofBox;
+    if (box) ofBox.emplace(soil, scene.grid, index, arms.normal);
     const BoxHats<Dim>* hats = ofBox ? &*ofBox : nullptr;
 
     const bool isOld = c.isOld();
@@ -255,9 +272,8 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const Vec3 pushed = normal * n, dragged = -kt * c.slip;
     c.force = pushed + dragged;
 
-    addForce(soil, scene.grid, index, arms, hats, pushed, dragged,
-             scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(c.soil, c.body, index, arms, hats, pushed, dragged);
+    addForce(soil, index, arms, box, hats, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
+    if (checkBalance) balance.add(c.soil, c.body, index, arms, box, hats, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(c.force);
     for (int k = 0; k < 3; ++k) {
         forces.plane(k)[c.body] -= c.force[k];

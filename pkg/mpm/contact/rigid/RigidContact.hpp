@@ -19,6 +19,7 @@ struct Reach {
 };
 
 template <int Dim> class RigidBalance;
+template <int Dim> struct BoxNodes;
 
 // What holds between a rigid body and a body of the scene instead of what each has by itself.
 struct RigidPair {
@@ -127,8 +128,11 @@ class RigidContact : public EngineOf<RigidContact> {
     template <int Dim> std::vector<RigidContactPoint> findOverlaps(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     template <int Dim>
-    void push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidContactPoint& contact,
-              RigidBalance<Dim>& balance);
+    bool touch(Scene<Dim>& scene, const Points<Dim>& points, RigidContactPoint& contact,
+               RigidBalance<Dim>& balance);
+    template <int Dim>
+    void push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const BoxNodes<Dim>* box,
+              RigidContactPoint& contact, RigidBalance<Dim>& balance);
     void moveOn(double dt);
 };
 

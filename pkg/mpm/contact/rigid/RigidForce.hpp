@@ -55,28 +55,27 @@ Vec3 slidSinceTouch(double dt, const Body<Dim>& soil, int index, const RigidCont
     return std::min(1.0, -contact.gap / closed) * slid;
 }
 
-// Adds what nodes get of a normal and a friction force. hats: of a box, at arms.normal.
+// Adds what nodes get of a normal and a friction force. box, hats: of a box, and at arms.normal.
 template <int Dim>
-void addForce(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Arms& arms,
+void addForce(const Body<Dim>& soil, int index, const Arms& arms, const BoxNodes<Dim>* box,
               const BoxHats<Dim>* hats, const Vec3& normal, const Vec3& friction,
               typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
     const Vec<Dim> force = (normal + friction).template head<Dim>(), dragged = friction.template head<Dim>();
-    if (!hats) {
+    if (!box) {
         soil.domains->mesh()->addVertexForce(index, force, nodes);
         return;
     }
-    const auto add = [&](int node, const Vec<Dim>& f) {
-        for (int k = 0; k < Dim; ++k) nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + f[k]);
-    };
+    Quad all{}, sideways{};
+    for (int k = 0; k < Dim; ++k) {
+        all[NF::lane(k)] = force[k];
+        sideways[NF::lane(k)] = dragged[k];
+    }
     const Vec<Dim> beyond = (arms.friction - arms.normal).template head<Dim>();
-    soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
-        add(node, phi * force + gradient.dot(beyond) * dragged);
-    });
-    hats->forNodes([&](int node, double H) { add(node, H * force); });
-    BoxHats<Dim>(soil, grid, index, Vec3::Zero()).forNodes([&](int node, double H) {
-        add(node, -H * force);
-    });
+    for (int i = 0; i < box->count; ++i)
+        nodes[box->node[i]].part[1] += box->phi[i] * all + box->gradient[i].dot(beyond) * sideways;
+    hats->forNodes([&](int node, double H) { nodes[node].part[1] += H * all; });
+    box->inside.forNodes([&](int node, double H) { nodes[node].part[1] += -H * all; });
 }
 
 // What the nodes get from each rigid body by each body of the scene, against what the rigid body gets.
@@ -86,11 +85,11 @@ template <int Dim> class RigidBalance {
 
     RigidBalance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(int soil, int body, int index, const Arms& arms, const BoxHats<Dim>* hats, const Vec3& normal,
-             const Vec3& friction) {
+    void add(int soil, int body, int index, const Arms& arms, const BoxNodes<Dim>* box,
+             const BoxHats<Dim>* hats, const Vec3& normal, const Vec3& friction) {
         auto& nodes = nodes_[body][soil];
         if (nodes.empty()) nodes.assign(scene_.grid.count, NF::Sum::zero());
-        addForce(*scene_.bodies[soil], scene_.grid, index, arms, hats, normal, friction, nodes.data());
+        addForce(*scene_.bodies[soil], index, arms, box, hats, normal, friction, nodes.data());
     }
 
     // forces, torques: on the rigid bodies.

@@ -117,7 +117,8 @@ class RigidShape {
         return kind == HeightField ? ground_->isBeyond(x, radius) : nearest(x).distance > radius;
     }
 
-    Surface nearest(const Vec3& x) const {
+    // within: further away the distance is only known to be larger.
+    Surface nearest(const Vec3& x, double within = std::numeric_limits<double>::infinity()) const {
         switch (kind) {
         case Sphere:
             return around(x, point_[0], Vec3::UnitY());
@@ -128,7 +129,7 @@ class RigidShape {
         case Capsule:
             return around(x, onSegment(x, point_[0], point_[1]), sideOfSegment());
         case HeightField:
-            return ground_->nearest(x);
+            return ground_->nearest(x, within);
         default:
             return around(x, onTriangle(x), sideOfTriangle());
         }

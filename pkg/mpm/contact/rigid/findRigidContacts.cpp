@@ -40,16 +40,15 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
     for (const RigidShape& shape : shapes) {
         const RigidState& at = states[shape.body];
         const Mat<3> R = at.orientation.toRotationMatrix();
-        for (int soil = 0; soil < int(points.size()); ++soil)
+        for (int soil = 0; soil < int(points.size()); ++soil) {
+            const double reach = points[soil].mostReach(near);
             points[soil].near(shape, at, scene.grid, [&](int i) {
                 const Vec3 x = points[soil].position(i);
                 const Vec3 local = R.transpose() * (x - at.position);
-                if (shape.kind == RigidShape::HeightField &&
-                    shape.isBeyond(local, points[soil].mostReach(near)))
-                    return;
                 double gap = -std::numeric_limits<double>::max();
                 Vec3 n;
-                const Surface nearest = shape.nearest(local);
+                const Surface nearest = shape.nearest(local, reach);
+                if (nearest.distance > reach) return;
                 shape.directions(local, nearest, [&](const Surface& s) {
                     const Vec3 normal = R * s.normal;
                     const double clear = s.distance - points[soil].halfAlong(normal);
@@ -71,6 +70,7 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
                 contact.edge = local - nearest.distance * nearest.normal;
                 contacts.push_back(contact);
             });
+        }
     }
     return contacts;
 }
@@ -130,32 +130,26 @@ void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<R
 }
 
 template <int Dim>
-void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                  MappedVelocities<Dim>& velocities, std::vector<RigidContactPoint>& contacts) {
-    const double cell = scene.grid.smallestCell().minCoeff(), least = -roundOff * cell;
-    std::vector<RigidContactPoint> kept;
-    kept.reserve(contacts.size());
-    for (RigidContactPoint& c : contacts) {
-        if (!c.isKnown && c.gap >= BodyPoints<Dim>::mostShift * cell) continue;
-        const Body<Dim>& soil = *scene.bodies[c.soil];
-        if (!soil.type->isMeshed()) c.motion = nodalMotionOf(scene, velocities, soil, c.place);
-        const Vec3 shift = toStrainedPlace(scene, soil, c);
-        c.point += shift;
-        c.gap += c.normal.dot(shift);
-        const bool isClear = c.gap >= least; // with its first thickness
-        const double half = points[c.soil].halfAlong(c.normal);
-        if (c.isKnown && half > 0) {
-            const Vec3 arm = points[c.soil].armAlong(c.normal, c.stretch);
-            const BoxHats<Dim> hats(soil, scene.grid, c.place, arm);
-            const Vec3 against = strainVelocity(velocities, soil, c.motion, hats, arm);
-            const double thicker = -c.normal.dot(against) * scene.dt;
-            c.stretch = std::clamp(c.stretch + thicker / half, 0.0, 1 + BodyPoints<Dim>::mostStretch);
-        }
-        c.gap -= half * (c.stretch - 1);
-        if (c.gap >= least) c.gap = std::max(0.0, c.gap);
-        if (c.pushes() || !isClear) kept.push_back(c);
+bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
+                  const BoxNodes<Dim>* box, RigidContactPoint& c) {
+    const double least = -roundOff * scene.grid.smallestCell().minCoeff();
+    const Body<Dim>& soil = *scene.bodies[c.soil];
+    if (box) c.motion = nodalMotionOf(velocities, soil, *box, c.place);
+    const Vec3 shift = toStrainedPlace(scene, soil, c);
+    c.point += shift;
+    c.gap += c.normal.dot(shift);
+    const bool isClear = c.gap >= least; // with its first thickness
+    const double half = points.halfAlong(c.normal);
+    if (c.isKnown && half > 0) {
+        const Vec3 arm = points.armAlong(c.normal, c.stretch);
+        const BoxHats<Dim> hats(soil, scene.grid, c.place, arm);
+        const Vec3 against = strainVelocity(velocities, soil, c.motion, hats, arm);
+        const double thicker = -c.normal.dot(against) * scene.dt;
+        c.stretch = std::clamp(c.stretch + thicker / half, 0.0, 1 + BodyPoints<Dim>::mostStretch);
     }
-    contacts.swap(kept);
+    c.gap -= half * (c.stretch - 1);
+    if (c.gap >= least) c.gap = std::max(0.0, c.gap);
+    return c.pushes() || !isClear;
 }
 
 template std::vector<RigidContactPoint> findNearContacts(const Scene<2>&, const std::vector<BodyPoints<2>>&,
@@ -168,9 +162,9 @@ template void fitNewBoxes(const std::vector<BodyPoints<2>>&, const std::vector<R
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
-template void followStrain(const Scene<2>&, const std::vector<BodyPoints<2>>&, MappedVelocities<2>&,
-                           std::vector<RigidContactPoint>&);
-template void followStrain(const Scene<3>&, const std::vector<BodyPoints<3>>&, MappedVelocities<3>&,
-                           std::vector<RigidContactPoint>&);
+template bool followStrain(const Scene<2>&, const BodyPoints<2>&, MappedVelocities<2>&, const BoxNodes<2>*,
+                           RigidContactPoint&);
+template bool followStrain(const Scene<3>&, const BodyPoints<3>&, MappedVelocities<3>&, const BoxNodes<3>*,
+                           RigidContactPoint&);
 
 } // namespace mpm

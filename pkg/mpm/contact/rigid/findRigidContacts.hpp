@@ -29,10 +29,16 @@ template <int Dim>
 void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<RigidShape>& shapes,
                  const std::vector<int>& known, std::vector<RigidContactPoint>& contacts);
 
-// Gaps where the strain has moved the points, and the surfaces of boxes that are in touch. Contacts that
-// overlap stay, and boxes that would if they had their first thickness: it comes back when they are clear.
+// Whether the strain may have moved a point so far that it is in touch.
+template <int Dim> bool mayTouch(const Scene<Dim>& scene, const RigidContactPoint& contact) {
+    return contact.isKnown || contact.gap < BodyPoints<Dim>::mostShift * scene.grid.smallestCell().minCoeff();
+}
+
+// The gap where the strain has moved a point, and the surface of a box that is in touch (box: its nodes). Returns
+// whether the contact stays: it overlaps, or the box would if it had its first thickness, which comes back when it is
+// clear.
 template <int Dim>
-void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                  MappedVelocities<Dim>& velocities, std::vector<RigidContactPoint>& contacts);
+bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
+                  const BoxNodes<Dim>* box, RigidContactPoint& contact);
 
 } // namespace mpm

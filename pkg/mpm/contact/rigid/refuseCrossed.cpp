@@ -34,26 +34,20 @@ template <int Dim>
 } // namespace
 
 template <int Dim>
-void refuseCrossed(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                   const std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes,
-                   const std::vector<RigidContactPoint>& before) {
-    for (const RigidContactPoint& c : contacts) {
-        const double most = points[c.soil].width(c.place, c.normal);
-        if (-c.gap > most)
-            refuse(scene, c,
-                   message(" is ", -c.gap, " m deep, more than the width of a ",
-                           scene.bodies[c.soil]->type->isMeshed() ? "facet (" : "particle (", most,
-                           " m), in"));
-        if (shapes[c.shape].isThin() && !c.isOld() && isFromTheOtherSide(c, before))
-            refuse(scene, c, " has been passed through by");
-    }
+void refuseCrossed(const Scene<Dim>& scene, const BodyPoints<Dim>& points, const RigidContactPoint& c,
+                   const RigidShape& shape, const std::vector<RigidContactPoint>& before) {
+    const double most = points.width(c.place, c.normal);
+    if (-c.gap > most)
+        refuse(scene, c,
+               message(" is ", -c.gap, " m deep, more than the width of a ",
+                       scene.bodies[c.soil]->type->isMeshed() ? "facet (" : "particle (", most, " m), in"));
+    if (shape.isThin() && !c.isOld() && isFromTheOtherSide(c, before))
+        refuse(scene, c, " has been passed through by");
 }
 
-template void refuseCrossed(const Scene<2>&, const std::vector<BodyPoints<2>>&,
-                            const std::vector<RigidContactPoint>&, const std::vector<RigidShape>&,
-                            const std::vector<RigidContactPoint>&);
-template void refuseCrossed(const Scene<3>&, const std::vector<BodyPoints<3>>&,
-                            const std::vector<RigidContactPoint>&, const std::vector<RigidShape>&,
-                            const std::vector<RigidContactPoint>&);
+template void refuseCrossed(const Scene<2>&, const BodyPoints<2>&, const RigidContactPoint&,
+                            const RigidShape&, const std::vector<RigidContactPoint>&);
+template void refuseCrossed(const Scene<3>&, const BodyPoints<3>&, const RigidContactPoint&,
+                            const RigidShape&, const std::vector<RigidContactPoint>&);
 
 } // namespace mpm

@@ -8,10 +8,9 @@
 namespace mpm {
 
 // Throws RunError where a point of the scene is as deep in a rigid body as it is wide (of a box: half of that
-// beyond its centre), or has passed through a thin shape.
+// beyond its centre), or has passed through a thin shape. points: of its body.
 template <int Dim>
-void refuseCrossed(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                   const std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes,
-                   const std::vector<RigidContactPoint>& before);
+void refuseCrossed(const Scene<Dim>& scene, const BodyPoints<Dim>& points, const RigidContactPoint& contact,
+                   const RigidShape& shape, const std::vector<RigidContactPoint>& before);
 
 } // namespace mpm

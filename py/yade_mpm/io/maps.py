@@ -27,8 +27,9 @@ class TerrainMaps(Callback):
     label : name of the engine; default "maps".
 
     Attributes, arrays of the shape of the heights: `depth` m, volume (with the gaps of loosened soil) over
-    area when it was looked at last, after a run the deposit; `greatestDepth` m; `greatestVelocity` m/s, of
-    the mean over the depth, where at least `least` deep; `arrival` s, nan where nothing came.
+    the area of the cell in the scene, when it was looked at last, after a run the deposit; `greatestDepth` m;
+    `greatestVelocity` m/s, of the mean over the depth, where at least `least` deep; `arrival` s, nan where
+    nothing came.
     """
 
     @takes(period=POSITIVE, least=NUMBER)
@@ -79,13 +80,23 @@ class TerrainMaps(Callback):
             mass += spread.sum(body.mass)
             for k in range(scene.dim):
                 momentum[k] += spread.sum(body.mass * body.velocity[:, k])
-        maps, area = self._maps, np.prod(self._terrain.spacing)
-        maps["depth"] = volume / area
+        maps = self._maps
+        maps["depth"] = volume / self._areas(scene)
         maps["greatestDepth"] = np.maximum(maps["greatestDepth"], maps["depth"])
         isThere = maps["depth"] >= max(self._least, 1e-12)
         speed = np.where(isThere, np.linalg.norm(momentum, axis=0) / np.where(isThere, mass, 1), 0)
         maps["greatestVelocity"] = np.maximum(maps["greatestVelocity"], speed)
         maps["arrival"] = np.where(isThere & np.isnan(maps["arrival"]), scene.time, maps["arrival"])
+
+    def _areas(self, scene):
+        """Of the cells of the raster that lie in the scene, m2 (2D: m): at its sides at least half a cell."""
+        ground, area = self._terrain, 1.0
+        for k, count in enumerate(ground.heights.shape):
+            step = ground.spacing[k]
+            middles = ground.origin[k] + step * np.arange(count)
+            ends = np.clip([middles - step / 2, middles + step / 2], scene.lower[k], scene.upper[k])
+            area = np.multiply.outer(area, np.maximum(ends[1] - ends[0], 0.5 * step))
+        return area
 
     # --- engine ---
     def bind(self, scene):

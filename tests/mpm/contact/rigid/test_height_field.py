@@ -196,6 +196,18 @@ def layered(threads=None):
     return scene, body, maps, ground, depth
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_maps_have_the_depth_of_an_even_layer_up_to_the_sides(dim):
+    """Cells of the raster at the sides lie half in the scene, at corners by a quarter."""
+    scene = mpm.Scene((0,) * dim, (4,) * (dim - 1) + (3,), 0.5, gravity=G)
+    ground = mpm.heightField(np.ones((9,) * (dim - 1)), 0.5)
+    scene.add("layer", ground.layer(1.0), elastic(2e4))
+    scene.terrain(ground)
+    maps = scene.maps(ground, every=1.0)
+    scene.run(steps=1, progress=False)
+    assert maps.depth == pytest.approx(np.ones(ground.heights.shape), rel=1e-9)
+
+
 def test_a_layer_has_the_volume_of_its_raster_and_keeps_it_at_rest():
     scene, body, maps, ground, depth = layered()
     assert body.volume.sum() == pytest.approx(depth.sum() * 0.25, rel=0.01)

@@ -22,6 +22,7 @@ from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
 from ..base.wording import shown
 from ..diagnostics.drainage import consolidation
 from ..engine.callback import PyRunner
+from ..engine.poreWater import waterOf
 from ..geometry.numbers import isNumber
 from ..io.history import History
 from ..io.recorder import Recorder
@@ -34,6 +35,7 @@ STILL = 0.02  # growth of the largest displacement in the last quarter of a tria
 FALLEN = 0.05  # displacement over the height, beyond that of ground that stands, at which it has come down, -
 FALLEN_FIRST = 0.2  # the same in the first trial: with the settlement under its own weight
 DRAINED = 10.0  # c_v t/H2 of a trial, t = sqrt(height/gravity), -
+LEAST = 1e-3  # part of gravity that a trial begins with, so that the heads of water have a pressure
 RAISE_EVERY = 10  # steps between two increments of gravity
 RAMP, HOLD = 1.0, 2.0  # times sqrt(height/gravity): gravity grows, and a trial lasts
 FARTHEST = 0.05, 20.0  # factors between which the search looks, -
@@ -246,11 +248,13 @@ class _Search:
         solver.damping = max(solver.damping, DAMPING)
         began = scene.time
         if ramp:
-            for body in (b for b in scene.bodies if b._core.hasPores):
-                body.porePressure = 0.0  # as without gravity
 
             def raiseGravity():
-                solver.gravity = self._gravity * min(1.0, (scene.time - began) / ramp)
+                solver.gravity = self._gravity * np.clip((scene.time - began) / ramp, LEAST, 1.0)
+
+            raiseGravity()
+            for body in (b for b in scene.bodies if b._core.hasPores):
+                body.porePressure = waterOf(scene).hydrostatic(body)
 
             engines = scene.engines
             scene.engines = [PyRunner(raiseGravity, iterPeriod=RAISE_EVERY), *engines]

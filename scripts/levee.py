@@ -67,6 +67,7 @@ def bishop(pressure, table, slices=40):
     pressure : function (x, y) -> kPa, of arrays. Circles that cut the base, or ground under water, are left
     out: water in front of a slope holds it.
     """
+
     def factorOf(circle):
         side, out, back, bend = circle
         toe = TOE[side > 0]

@@ -11,6 +11,7 @@ from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..engine.supports import PointForce, Spring
 from ..geometry.region import Region
+from ..material.materials import isBeam
 from ..particle.body import Body
 from ..particle.types import Boxes, MeshedType, classes
 from .adding import build, drop, newBody
@@ -77,6 +78,10 @@ def _removeRegion(scene, body, region):
         )
     for one, share, _ in found:
         _check(scene, one)
+        if isBeam(one.material) and (share == 1).any():
+            raise ValueError(
+                f"body '{one.name}': remove: a part of a Beam cannot go; give two beams, one of which goes"
+            )
         _refuseHeld(scene, one, one.id[share < 1])
     mass = 0.0
     for one, share, centre in found:
@@ -143,7 +148,8 @@ def _refuseHeld(scene, body, ids):
 def _dropDomains(scene, body, empty, numbers=None):
     """Domains leave a mesh by becoming boxes; those go with a body of their own."""
     name = f"{body.name} (removed)"
-    boxes = newBody(scene, name, body.material, classes["UGIMP"](), None, 1.0, body.fbar, body.group)
+    type = classes["UGIMP"]()
+    boxes = newBody(scene, name, body.material, type, None, 1.0, body.fbar, body.group, body.implicit)
     build(boxes, empty)
     scene._core.convertDomains(
         body.name,

@@ -95,6 +95,18 @@ def test_a_beam_turns_without_strain():
     assert np.abs(forces.M).max() < 1e-3 * SECTION["EI"] and np.abs(forces.N).max() < 1e-4 * SECTION["EA"]
 
 
+def test_a_beam_is_removed_whole(tmp_path):
+    made = scene()
+    made.run(steps=2, progress=False)
+    with pytest.raises(ValueError, match="body 'wall': remove: a part of a Beam cannot go; give two beams"):
+        made.remove(made["wall"], region=box((0, 2), (4, 3)))
+    assert len(made.bodies) == 2 and made["wall"].count > 0
+    assert made.remove(made["wall"]) == pytest.approx(0.4) and not made["wall"].count
+    made.run(steps=2, progress=False)
+    made.save(tmp_path / "without.h5")
+    mpm.load(tmp_path / "without.h5").run(steps=2, progress=False)
+
+
 def test_a_section_is_a_parameter_of_a_study():
     stiff, soft = (scene(EI=EI) for EI in (500.0, 50.0))
     moved = []

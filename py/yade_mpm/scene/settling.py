@@ -23,6 +23,7 @@ STUCK = 50  # looks without a smaller out-of-balance force after which it may be
 STEADY = 5  # looks whose median tells how many changes are still to come
 NO_DRIFT = 2  # times the change between two looks is that over many, where stresses only waver
 MOST_NOISE = 0.01  # share of the stress; what wavers more is not at rest
+ROUND_OFF = 1e-12  # share of the stress; what changes less between two looks has nothing to come
 EXCESS = 0.05  # of the largest pore pressure: excess above which settle warns
 
 
@@ -237,9 +238,9 @@ def _toCome(before, after):
         stiffness += ((a.force[i] - b.force[j]) * moved).sum()
         changed += (b.volume[j, None, None] * (b.stress[j] - a.stress[i]) ** 2).sum()
         borne += (b.volume[:, None, None] * b.stress**2).sum()
-    if changed == 0:
-        return 1.0, 0.0
-    change = float(np.sqrt(changed / borne)) if borne > 0 else np.inf
+    change = float(np.sqrt(changed / borne)) if borne > 0 else np.inf if changed > 0 else 0.0
+    if change <= ROUND_OFF:
+        return 1.0, change
     return (float(abs(forward) / stiffness) if stiffness > 0 else np.inf), change
 
 

@@ -114,6 +114,16 @@ def test_settle_waits_for_what_bends_slowly():
     assert tips[1] == pytest.approx(tips[0], rel=0.015)
 
 
+def test_settle_ends_at_once_where_only_the_last_digits_change():
+    """The accelerations of round-off say nothing of what is to come: it took 10,000 steps more and warned."""
+    scene = mpm.Scene((0, 0), (1, 1), 0.25, threads=1)
+    scene.add("block", box((0, 0), (0.5, 0.5)), elastic(1e4), mpm.APDI())
+    scene.engines = chain(gravity=(0, -9.81), roller=("left", "bottom"))
+    scene.settle(progress=False)
+    taken = []
+    assert not warningsOf(lambda: taken.append(scene.settle(progress=False)), "settle") and taken == [400]
+
+
 def test_settle_ends_where_the_force_does_not_fall_any_more():
     scene, _ = cantilever()
     with pytest.warns(UserWarning, match="settle: ends out of balance by .* neither falls any more"):

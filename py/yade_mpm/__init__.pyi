@@ -566,6 +566,8 @@ class PoreWater(_PoreWater):
     heads: float | Sequence[float]
     drained: float | Sequence[float]
     inflows: float | Sequence[float]
+    wells: float | Sequence[float]
+    drains: float | Sequence[float]
     kozenyCarman: bool
     permeability: float
     porosity: float
@@ -582,6 +584,8 @@ class PoreWater(_PoreWater):
         heads: float | Sequence[float] = None,
         drained: float | Sequence[float] = None,
         inflows: float | Sequence[float] = None,
+        wells: float | Sequence[float] = None,
+        drains: float | Sequence[float] = None,
         *,
         kozenyCarman: bool = False,
         permeability: float = 1e-07,

@@ -16,6 +16,8 @@ constexpr double standardGravity = 9.81; // m/s2, of the permeability in m/s
 constexpr double leastCover = 0.05;      // of a cell, for the way to a surface
 constexpr double leastWay = 0.25;        // in cells, between the middles of the soil in two cells
 
+constexpr double drainOverCell = 1e3; // flow into a drain over that between two cells, at equal heads
+
 // The value of rows (face, value), nullptr: the face has none.
 const double* atFace(const std::vector<double>& rows, double face) {
     for (size_t i = 0; i + 1 < rows.size(); i += 2)
@@ -255,6 +257,38 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     system.outlets.push_back({c, conductance, conductance * (head - fill.head), axis, side, area});
 }
 
+// The soil in all cells of a well shares what it takes, by its volume.
+template <int Dim> void PoreWater::addWells(const Scene<Dim>& scene, State<Dim>& state) {
+    std::map<double, double> volumes; // of each well
+    const auto forRows = [&](auto&& f) {
+        for (size_t i = 0; i + 2 < wells.size(); i += 3)
+            if (const int number = int(wells[i + 1]);
+                number < scene.grid.count && state.system.cellAt(number) >= 0)
+                f(wells[i], state.fill[number].saturated, number, wells[i + 2]);
+    };
+    forRows([&](double well, double volume, int, double) { volumes[well] += volume; });
+    forRows([&](double well, double volume, int number, double flow) {
+        state.system.outlets.push_back(
+            {state.system.cellAt(number), 0, -flow * volume / volumes[well], -1, 0, 0});
+    });
+}
+
+// Where the head is above that of a drain.
+template <int Dim> void PoreWater::addDrains(const Scene<Dim>& scene, State<Dim>& state) {
+    const double weight = tableAt(scene, scene.time).weight;
+    for (size_t i = 0; i + 1 < drains.size(); i += 2) {
+        const int number = int(drains[i]), c = number < scene.grid.count ? state.system.cellAt(number) : -1;
+        if (c < 0) continue;
+        const auto& fill = state.fill[number];
+        const double head = weight * drains[i + 1] - fill.head;
+        if (!(fill.excess > head)) continue;
+        const double least = scene.grid.edges(number).minCoeff();
+        const double conductance = drainOverCell * fill.permeability / (density * standardGravity) *
+                                   fill.saturated / (least * least);
+        state.system.outlets.push_back({c, conductance, conductance * head, -1, 0, 0});
+    }
+}
+
 // Of structures only the nodes that have mass.
 template <int Dim> void PoreWater::findMovers(const Scene<Dim>& scene, State<Dim>& state) {
     const double least = scene.leastMass();
@@ -333,6 +367,10 @@ template void PoreWater::addFlow(const Scene<2>& scene, State<2>& state);
 template void PoreWater::addFlow(const Scene<3>& scene, State<3>& state);
 template void PoreWater::addWall(const Scene<2>& scene, State<2>& state, int c, int axis, int side);
 template void PoreWater::addWall(const Scene<3>& scene, State<3>& state, int c, int axis, int side);
+template void PoreWater::addWells(const Scene<2>& scene, State<2>& state);
+template void PoreWater::addWells(const Scene<3>& scene, State<3>& state);
+template void PoreWater::addDrains(const Scene<2>& scene, State<2>& state);
+template void PoreWater::addDrains(const Scene<3>& scene, State<3>& state);
 template void PoreWater::findMovers(const Scene<2>& scene, State<2>& state);
 template void PoreWater::findMovers(const Scene<3>& scene, State<3>& state);
 template void PoreWater::setSteps(Scene<2>& scene, State<2>& state);

@@ -62,7 +62,7 @@ template <int Dim> class PoreSystem {
         int cell;
         double conductance; // m3/(kPa s)
         double source;      // what flows in at u = 0, m3/s
-        int axis, side;     // of the cell that it leaves by
+        int axis, side;     // of the cell that it leaves by; axis -1: in the middle
         double area;        // that water passes, m2
     };
     struct Part { // of B: what particles at a surface have of a cell
@@ -225,6 +225,7 @@ template <int Dim> class PoreSystem {
             speeds[face.before][1][face.axis] = speeds[face.beyond][0][face.axis] = speed;
         }
         for (const Outlet& outlet : outlets) {
+            if (outlet.axis < 0) continue;
             const double out = (outlet.conductance * u[outlet.cell] - outlet.source) / outlet.area;
             speeds[outlet.cell][outlet.side][outlet.axis] += outlet.side ? out : -out;
         }

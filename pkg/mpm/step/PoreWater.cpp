@@ -37,6 +37,8 @@ std::vector<Parameter> PoreWater::attributes() {
             {"heads", "m", "Rows (face, level of the water behind it); others are closed.", &heads},
             {"drained", "", "Numbers of faces with water to the table behind them.", &drained},
             {"inflows", "m/s", "Rows (face, flow through it into the soil).", &inflows},
+            {"wells", "m3/s", "Rows (well, a cell of it, what the well takes).", &wells},
+            {"drains", "m", "Rows (cell, head above which water leaves it).", &drains},
             {"kozenyCarman", "", "The permeability follows the volume, as n^3/(1 - n)^2.", &kozenyCarman},
             {"permeability", "m/s", "Hydraulic conductivity of the soil that it is given to; 0: undrained.",
              &permeability, Range::notNegative()},
@@ -59,6 +61,8 @@ void PoreWater::finish() {
     checkTable("PoreWater", "rise", rise, 2);
     checkTable("PoreWater", "heads", heads, 2);
     checkTable("PoreWater", "inflows", inflows, 2);
+    require(wells.size() % 3 == 0 && drains.size() % 2 == 0,
+            "PoreWater: wells and drains have other numbers than rows of three and of two; give regions");
 }
 
 // Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its
@@ -130,6 +134,8 @@ template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     state.solids.find(scene, state.field, state.fill);
     addCells(scene, state);
     addFlow(scene, state);
+    addWells(scene, state);
+    addDrains(scene, state);
     state.system.addNodes(scene.grid);
     state.system.finish();
     findMovers(scene, state);
@@ -162,8 +168,8 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     addWork(scene, state);
 }
 
-// The change of the pressure with which the balance closes for the velocity that is there. It begins with that of
-// the step before: waves and loads last for several steps, and a third of the iterations or more is saved.
+// The change of the pressure with which the balance closes for the velocity that is there. It begins with
+// that of the step before: waves and loads last for several steps, and a third of the iterations or more is saved.
 template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution) {
     auto& system = state.system;
     parallel(scene.threads,

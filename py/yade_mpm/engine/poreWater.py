@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..base.kinds import BODY, NUMBER, NUMBERS, takes
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
+from ..geometry.region import Region
 from .engine import generated
 from .prescribed import FACES
 from .supports import timeRows
@@ -34,6 +35,8 @@ rise : rows (time, height), s and m, that the table rises by, as a boundary of t
 heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
 drained : face, or list of faces, with water up to the table behind them; without a table at 0 kPa.
 inflows : dict face -> flow through it into the soil, m/s; negative: out of it.
+wells : list of (region, what it takes in all, m3/s; 2D: m2/s; negative: what it gives).
+drains : list of regions, at the pressure 0, or of (region, head in m): water leaves where its head is higher.
 sealed : True: no water passes the surface of the soil.
 kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n the porosity.
 
@@ -45,7 +48,7 @@ fields porePressure, excessPressure, head and flowVelocity. A surface without wa
 in front of it takes in what the soil sucks, as if it rained."""
     )
 
-    _tables = ("table", "rise", "heads", "drained", "inflows")
+    _tables = ("table", "rise", "heads", "drained", "inflows", "wells", "drains")
 
     def __init__(
         self,
@@ -54,6 +57,8 @@ in front of it takes in what the soil sucks, as if it rained."""
         heads: dict[str, float] | Sequence[float] | None = None,
         drained: str | Sequence[str] | Sequence[float] | None = None,
         inflows: dict[str, float] | Sequence[float] | None = None,
+        wells: Sequence | None = None,
+        drains: Sequence | None = None,
         **attributes,
     ) -> None:
         for name, rows in (("table", table), ("rise", rise)):
@@ -74,13 +79,19 @@ in front of it takes in what the soil sucks, as if it rained."""
             attributes["drained"] = faces
         else:
             named["drained"] = dict.fromkeys(faces)
+        regions = {}
+        for name, rows in (("wells", wells), ("drains", drains)):
+            if rows is None or all(isNumber(row) for row in rows):  # from a checkpoint
+                attributes[name] = list(rows or ())
+            else:
+                regions[name] = [_checkedRegion(name, row) for row in rows]
         given = [(face, name) for name, values in named.items() for face in values]
         for face, name in given:
             others = [other for its, other in given if its == face and other != name]
             if others:
                 raise ValueError(f"PoreWater: '{face}' is in {name} and in {others[0]}; give it one of them")
         super().__init__(**attributes)
-        self.__dict__["_named"] = named
+        self.__dict__.update(_named=named, _regions=regions)
 
     def _assign(self, name, value):
         """Tables as numbers, rows, or rows one behind the other, as checkpoints have them."""
@@ -101,6 +112,14 @@ in front of it takes in what the soil sucks, as if it rained."""
             rows = [(k, values[face]) for k, face in enumerate(faces) if face in values]
             numbers = [float(number) for row in rows for number in row if number is not None]
             self._core.set(name, numbers)
+        for name, rows in self._regions.items():
+            numbers = []
+            for k, (region, value) in enumerate(rows):
+                cells, middles = _cellsInside(scene, name, region)
+                heads = middles[:, -1] if value is None else np.full(len(cells), value)
+                rows = (np.full(len(cells), k), cells, heads) if name == "wells" else (cells, heads)
+                numbers += np.stack(rows, axis=1).ravel().tolist()
+            self._core.set(name, [float(number) for number in numbers])
 
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
@@ -142,6 +161,27 @@ in front of it takes in what the soil sucks, as if it rained."""
 def waterOf(scene):
     """The PoreWater of a scene, or None."""
     return next((engine for engine in scene.engines if isinstance(engine, PoreWater)), None)
+
+
+def _checkedRegion(name, row):
+    """(region, number) of a well, or of a drain, that may have no head."""
+    region, value = (row, None) if isinstance(row, Region) else row if np.size(row) == 2 else (None, None)
+    if not isinstance(region, Region) or not (isNumber(value) or (value is None and name == "drains")):
+        wanted = "(region, flow in m3/s)" if name == "wells" else "region, or (region, head in m)"
+        raise TypeError(f"PoreWater: {name} has {shown(row)}; give a list of {wanted}")
+    return region, value
+
+
+def _cellsInside(scene, name, region):
+    """Numbers and middles of the cells that have their middle in a region."""
+    nodes = scene.nodePositions()
+    middles = nodes + 0.5 * scene.cellSizeAt(nodes)
+    isIn = region.contains(middles) & ((middles > scene.lower) & (middles < scene.upper)).all(axis=1)
+    if not isIn.any():
+        raise ValueError(
+            f"PoreWater: {name}: {shown(region)} has the middle of no cell; give a larger region"
+        )
+    return np.flatnonzero(isIn), middles[isIn]
 
 
 def _checked(name, rows, unit):

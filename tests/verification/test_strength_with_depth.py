@@ -109,7 +109,7 @@ def testAFootingBearsWhatTheStrengthBelowItAllows(kB, ofSurface, verified):
 @pytest.mark.slow
 @pytest.mark.parametrize("kB", [1, 5])
 @pytest.mark.verifies(
-    "The same of boxes, as the limit load is reached",
+    "Strip footing on boxes of such clay, as the limit load is reached",
     reference="slip lines, by characteristics",
     tolerance=0.05,
 )

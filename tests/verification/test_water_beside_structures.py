@@ -14,17 +14,17 @@ CONCRETE = {"density": 2.4, "young": 2e7, "poisson": 0.2}
 KINDS = {"boxes": lambda h: mpm.UGIMP(), "mesh": lambda h: mpm.APDI(size=h / 2)}
 
 
-def wall(kind="mesh", level=1.5, friction=0.0, cut=0.125, rise=0.0, threads=1, permeability=1e-4):
+def wall(kind="mesh", level=1.5, friction=0.0, cut=0.125, rise=0.0, permeability=1e-4, adhesion=0.0):
     """A wall of 1 m, dry on its left, holds 2 m of ground with water up to `level`."""
     h, face = 0.25, 1.0 + cut
-    scene = mpm.Scene((0, 0), (2.5, 3), h, gravity=GAMMA, threads=threads)
+    scene = mpm.Scene((0, 0), (2.5, 3), h, gravity=GAMMA)
     scene.roller("left", "right", "bottom")
     table = [(face - 0.65, 0.0), (face - 0.35, level), (2.5, level)]
     water = mpm.PoreWater(table=table, permeability=permeability, tolerance=1e-8)
     soil = scene.add("soil", box((face, 0), (2.5, 2)), ELASTIC, KINDS[kind](h), water=water)
     concrete = mpm.LinearElastic(**CONCRETE)
     wall = scene.add("wall", box((cut, 0), (face, 2.5)), concrete, mpm.APDI(size=h / 2), implicit=False)
-    scene.contact(wall, soil, friction=friction)
+    scene.contact(wall, soil, friction=friction, adhesion=adhesion)
     drive = scene.drive(wall, velocity=(0.0, rise), ramp=0.05 if rise else 0, name="hold")
     scene.groundStress(bodies=[soil], K0=0.5)
     return scene, soil, drive
@@ -150,14 +150,14 @@ def seepage(cells, own=True, depth=4.0, width=16.0, k=5e-2, drop=1.0):
     return (excess / GAMMA / (h / 2) * h / 4).sum() / drop  # two rows of boxes, each half a cell wide
 
 
-def thrown(implicit, threads=1):
+def thrown(implicit, threads=1, isWet=True):
     """A block is thrown on free wet soil; nothing holds them."""
     h = 0.1
     scene = mpm.Scene((0, 0), (3, 2.5), h, threads=threads)
     law = mpm.MohrCoulomb(
         density=2.0, young=1e4, poisson=0.3, cohesion=5, frictionAngle=radians(20), dilatancyAngle=0
     )
-    water = mpm.PoreWater(permeability=1e-6)
+    water = mpm.PoreWater(permeability=1e-6) if isWet else None
     soil = scene.add("soil", box((0.5, 0.5), (2.5, 1.5)), law, mpm.UGIMP(), water=water)
     stiff = mpm.LinearElastic(density=2.4, young=2e7 if implicit else 2e4, poisson=0.2)
     body = scene.add("block", box((1.2, 1.5), (1.7, 1.9)), stiff, mpm.APDI(size=h / 2), implicit=implicit)
@@ -200,6 +200,26 @@ def test_water_keeps_the_momentum_of_soil_and_body(implicit):
     assert abs(momentum(soil, body) - before).max() < 1e-11 * abs(before).max()
     assert momentum(body)[1] > 0.8 * before[1]  # they have met
     assert soil.volume.sum() == pytest.approx(soil.initialVolume.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+@pytest.mark.parametrize("isWet", [False, True])
+def test_the_energy_of_a_block_that_hits_soil_balances(implicit, isWet):
+    """An impact stops an implicit block as a whole; booked by its nodes alone 10 to 12 % were missing."""
+    scene, _, body = thrown(implicit, isWet=isWet)
+    thrownIn = mpm.diagnostics.kineticEnergy(scene)
+    scene.run(steps=100, progress=False)
+    assert abs(mpm.diagnostics.energyError(scene, thrownIn)) < 0.065 * thrownIn
+
+
+def test_adhesion_acts_on_all_of_a_wall_in_undrained_soil(adhesion=5.0):
+    """A wall that is raised, with slip on all of its face."""
+    scene, soil, drive = wall("boxes", cut=0.0, rise=0.02, permeability=0.0, adhesion=adhesion)
+    scene.damping = 0.2
+    history = scene.history(every=0.01)
+    scene.run(until=0.15, progress=False)
+    drag = np.abs(history["contact.soil-wall.fy"])[-5:].mean()
+    assert drag == pytest.approx(adhesion * 2.0, rel=0.01)
 
 
 @pytest.mark.parametrize("implicit", [False, True])

@@ -310,7 +310,10 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
         const double sign = isMovedLater ? 0 : side == 0 ? -1 : 1;
         change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J[side]);
     }
-    scene.energies.contact += node.lostByStart(loss);
+    const double rubbed =
+        contact.friction[0].dot(node.v[0]) - contact.friction[1].dot(node.v[1]); // booked later
+    scene.energies.contact +=
+        loss == 1 && node.responds() ? node.lostByAll() - rubbed : node.lostByStart(loss);
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node);
 }
 

@@ -39,6 +39,15 @@ template <int Dim> struct NodeMotion {
         }
         return lost;
     }
+    // Where an implicit body answers, the rest of an impulse stops the body as a whole: then by all of it, with the mean
+    // velocities of the step. Of particles that take all.
+    double lostByAll() const {
+        double lost = 0;
+        for (int side = 0; side < 2; ++side)
+            lost -= 0.5 * sign(side) * J[side].all.dot(first[side] + v[side]);
+        return lost;
+    }
+    bool responds() const { return responding[0] >= 0 || responding[1] >= 0; }
 };
 
 template <int Dim> class ContactImpulses {

@@ -80,7 +80,7 @@ template <int Dim> void expectTranspose() {
         for (int k = 0; k < Dim; ++k) one[k] = number();
     const auto u = sample.pressures();
     std::vector<double> flow(u.size()), acting;
-    parallel(1, [&](ParallelRegion& region) { system.flowOut(region, v, flow); });
+    parallel(1, [&](ParallelRegion& region) { system.flowOut(region, v, 0, flow); });
     system.findActing(u, acting);
     double power = 0;
     for (size_t i = 0; i < v.size(); ++i) power += system.force(system.nodes[i], acting).dot(v[i]);
@@ -91,7 +91,7 @@ template <int Dim> void expectNoFlowWhereAllMovesAlike() {
     Sample<Dim> sample(false);
     std::vector<double> flow(sample.system.cells.size());
     const std::vector<Vec<Dim>> v(sample.system.nodes.size(), Vec<Dim>::Ones());
-    parallel(1, [&](ParallelRegion& region) { sample.system.flowOut(region, v, flow); });
+    parallel(1, [&](ParallelRegion& region) { sample.system.flowOut(region, v, 1e-3, flow); });
     for (double each : flow) EXPECT_NEAR(each, 0, 1e-14);
 }
 
@@ -114,7 +114,7 @@ template <int Dim> void expectProduct(bool isCut) {
     std::vector<Vec<Dim>> v;
     for (auto& node : system.nodes) v.push_back(system.force(node, acting).cwiseProduct(node.step));
     parallel(2, [&](ParallelRegion& region) {
-        system.flowOut(region, v, flow);
+        system.flowOut(region, v, 0, flow);
         sample.matrix.multiply(region, system, x, y);
     });
     for (int c = 0; c < system.unknowns; ++c)

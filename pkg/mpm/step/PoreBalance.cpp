@@ -84,6 +84,7 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
                            : own;
             system.cells[c].volume += inside * acting;
             system.cells[c].storage += acting;
+            system.cells[c].ofParts += (1 - inside) * acting;
             if (inside < 1)
                 forVolumeSlopes(body, p, [&](int node, const Vec<Dim>& slope) {
                     system.parts.push_back({c, node, (1 - inside) * acting * slope});

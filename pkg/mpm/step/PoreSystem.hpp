@@ -32,8 +32,9 @@ template <int Dim> class PoreSystem {
     static constexpr int NC = corners<Dim>;
 
     struct Cell {
-        int number;        // of the grid
-        double volume = 0; // that its pressure acts with by its corners, m3
+        int number;         // of the grid
+        double volume = 0;  // that its pressure acts with by its corners, m3
+        double ofParts = 0; // and by the particles in it
         // Of the hat functions of corners, 1/m, with the sign of the corner: of those before and beyond the
         // middle along the first axis, which differ with axial symmetry.
         std::array<Vec<Dim>, 2> slopes;
@@ -177,10 +178,12 @@ template <int Dim> class PoreSystem {
         }
     }
 
-    // B v of the velocities of the nodes, m3/s.
-    void flowOut(ParallelRegion& region, const std::vector<Vec<Dim>>& velocity, std::vector<double>& out) {
+    // What flows out as the nodes move for dt, m3/s: B v, and what the volumes of the cells have of higher order.
+    // Without that, soil that flows is compressed by its squared rate of shear, step after step.
+    void flowOut(ParallelRegion& region, const std::vector<Vec<Dim>>& velocity, double dt,
+                 std::vector<double>& out) {
         region.chunks(int(cells.size()), [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) flow_[c] = flowOf(c, velocity);
+            for (int c = begin; c < end; ++c) flow_[c] = flowOf(c, velocity, dt);
         });
         region.once([&] {
             handFlow();
@@ -274,14 +277,23 @@ template <int Dim> class PoreSystem {
     std::vector<int> ofShare_; // first share from each cell, and the end
     std::vector<double> flow_; // of all cells
 
-    double flowOf(int c, const std::vector<Vec<Dim>>& velocity) const {
-        double sum = 0;
+    // Of the mean velocity gradients L of the cell and of the particles in it, V (det(1 + L dt) - 1)/dt.
+    double flowOf(int c, const std::vector<Vec<Dim>>& velocity, double dt) const {
+        Mat<Dim> ofCell = Mat<Dim>::Zero(), ofParts = Mat<Dim>::Zero(); // V L
         for (int a = 0; a < NC; ++a)
             for (int k = 0; k < Dim; ++k)
-                sum += cornerSign(a, k) * slopeAt(cells[c], a)[k] * velocity[cells[c].corner[a]][k];
-        sum *= cells[c].volume;
-        for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) sum += parts[i].flow.dot(velocity[parts[i].node]);
-        return sum;
+                ofCell.col(k) += cells[c].volume * cornerSign(a, k) * slopeAt(cells[c], a)[k] *
+                                 velocity[cells[c].corner[a]];
+        for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+            ofParts += velocity[parts[i].node] * parts[i].flow.transpose();
+        return grown(ofCell, cells[c].volume, dt) + grown(ofParts, cells[c].ofParts, dt);
+    }
+    // By the invariants of L, which lose no digits where it is small.
+    static double grown(const Mat<Dim>& rate, double volume, double dt) {
+        const double trace = rate.trace();
+        if (!(volume > 0)) return trace;
+        const double pairs = 0.5 * (trace * trace - (rate * rate).trace()), step = dt / volume;
+        return trace + step * (Dim == 2 ? rate.determinant() : pairs + step * rate.determinant());
     }
     // The flow of cells to the unknowns that have it.
     void handFlow() {

@@ -173,7 +173,7 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
 template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution) {
     auto& system = state.system;
     parallel(scene.threads,
-             [&](ParallelRegion& region) { system.flowOut(region, state.velocity, state.flow); });
+             [&](ParallelRegion& region) { system.flowOut(region, state.velocity, scene.dt, state.flow); });
     for (int c = 0; c < system.unknowns; ++c) {
         const auto& cell = system.cells[c];
         state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +

@@ -80,6 +80,7 @@ def one(**water):
     ("wells has 3 ... (region, flow in m3/s)", one(wells=[3, "a"]), TypeError),
     ("drains has 'bottom' ... region, or (region, head in m)", one(drains=["bottom"]), TypeError),
     ("wells has", one(wells=[box((0, 0), (1, 1))]), TypeError),
+    ("drains has the cell 1e+06", lambda: one(drains=[1e6, 1.0])().scene.run(steps=1)),
     ("has the middle of no cell", one(drains=[box((0.3, 0.3), (0.35, 0.35))])),
 )
 def test_what_is_refused(named, make, kind):

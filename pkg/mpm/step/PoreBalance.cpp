@@ -259,12 +259,11 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
 }
 
 // The soil in all cells of a well shares what it takes, by its volume.
-template <int Dim> void PoreWater::addWells(const Scene<Dim>& scene, State<Dim>& state) {
+template <int Dim> void PoreWater::addWells(State<Dim>& state) {
     std::map<double, double> volumes; // of each well
     const auto forRows = [&](auto&& f) {
         for (size_t i = 0; i + 2 < wells.size(); i += 3)
-            if (const int number = int(wells[i + 1]);
-                number < scene.grid.count && state.system.cellAt(number) >= 0)
+            if (const int number = int(wells[i + 1]); state.system.cellAt(number) >= 0)
                 f(wells[i], state.fill[number].saturated, number, wells[i + 2]);
     };
     forRows([&](double well, double volume, int, double) { volumes[well] += volume; });
@@ -278,7 +277,7 @@ template <int Dim> void PoreWater::addWells(const Scene<Dim>& scene, State<Dim>&
 template <int Dim> void PoreWater::addDrains(const Scene<Dim>& scene, State<Dim>& state) {
     const double weight = tableAt(scene, scene.time).weight;
     for (size_t i = 0; i + 1 < drains.size(); i += 2) {
-        const int number = int(drains[i]), c = number < scene.grid.count ? state.system.cellAt(number) : -1;
+        const int number = int(drains[i]), c = state.system.cellAt(number);
         if (c < 0) continue;
         const auto& fill = state.fill[number];
         const double head = weight * drains[i + 1] - fill.head;
@@ -368,8 +367,8 @@ template void PoreWater::addFlow(const Scene<2>& scene, State<2>& state);
 template void PoreWater::addFlow(const Scene<3>& scene, State<3>& state);
 template void PoreWater::addWall(const Scene<2>& scene, State<2>& state, int c, int axis, int side);
 template void PoreWater::addWall(const Scene<3>& scene, State<3>& state, int c, int axis, int side);
-template void PoreWater::addWells(const Scene<2>& scene, State<2>& state);
-template void PoreWater::addWells(const Scene<3>& scene, State<3>& state);
+template void PoreWater::addWells(State<2>& state);
+template void PoreWater::addWells(State<3>& state);
 template void PoreWater::addDrains(const Scene<2>& scene, State<2>& state);
 template void PoreWater::addDrains(const Scene<3>& scene, State<3>& state);
 template void PoreWater::findMovers(const Scene<2>& scene, State<2>& state);

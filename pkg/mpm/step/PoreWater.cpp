@@ -96,6 +96,16 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
             "PoreWater: gravity does not point down; give "
             "gravity along the last axis alone");
     const Body<Dim>* first = nullptr;
+    const auto checkCells = [&](const char* name, const std::vector<double>& rows, size_t width, size_t at) {
+        for (size_t i = at; i < rows.size(); i += width)
+            require(rows[i] >= 0 && rows[i] < scene.grid.count, "PoreWater: ", name, " has the cell ",
+                    rows[i], ", and the grid has ", scene.grid.count,
+                    "; give regions, or a whole checkpoint");
+    };
+    checkCells("debt", debt, 2, 0);
+    checkCells("changes", changes, 3, 0);
+    checkCells("wells", wells, 3, 1);
+    checkCells("drains", drains, 2, 0);
     auto& state = std::get<State<Dim>>(states_);
     state.owed.assign(scene.grid.count, 0.0);
     for (size_t i = 0; i + 1 < debt.size(); i += 2) state.owed[int(debt[i])] = debt[i + 1];
@@ -134,7 +144,7 @@ template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     state.solids.find(scene, state.field, state.fill);
     addCells(scene, state);
     addFlow(scene, state);
-    addWells(scene, state);
+    addWells(state);
     addDrains(scene, state);
     state.system.addNodes(scene.grid);
     state.system.finish();

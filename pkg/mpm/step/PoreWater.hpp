@@ -75,7 +75,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side);
-    template <int Dim> void addWells(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> void addWells(State<Dim>& state);
     template <int Dim> void addDrains(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void findMovers(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void setSteps(Scene<Dim>& scene, State<Dim>& state);

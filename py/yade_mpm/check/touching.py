@@ -62,7 +62,7 @@ def _thinWall(scene, body, soils):
         yield (
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two cells of {size:.3g} m, "
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
-            "only half as far, though the force on the wall looks right; if the wall stands between grid "
+            "only half as far, and resists up to a quarter too little; if the wall stands between grid "
             f"lines, only a third to a half of its friction acts; give cells of {thin / THIN:.3g} m at most"
         )
         return

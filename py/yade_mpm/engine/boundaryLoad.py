@@ -190,7 +190,7 @@ def _checkArguments(body, where, loadsBonded, attributes):
 
 def _whyNoFacets(body):
     if not body.type._core.isMeshed:
-        return "has no boundary facets; loads need an APDI body"
+        return "is no mesh and has no facets; mpm.SurfaceLoad loads the ground of boxes, scene.attach(it)"
     if body.count:
         return "lost its first mesh when domains were converted; make loads before that"
     return "has no domains left, they were converted; make loads before that"

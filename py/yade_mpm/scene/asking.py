@@ -44,7 +44,8 @@ def gravityVector(scene, gravity):
 
 
 def fix(scene, *sides: str) -> None:
-    """Holds sides of the grid: what is there does not move.
+    """Holds sides of the grid: what is there does not move. Soil that runs out over a fixed floor goes too
+    far, for it keeps its speed there: hold it by scene.drive("bottom", velocity=(0, 0)).
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def load(scene, body: Body, where: Region, **options) -> BoundaryLoad:
 
     Parameters
     ----------
-    body : Body of APDI domains.
+    body : Body of APDI domains; for boxes see `SurfaceLoad`.
     where : Region with the middles of the facets that are loaded.
     options : as of `BoundaryLoad`: pressure (kPa), traction (kPa, one component per axis), ramp (s) ...
 

@@ -33,7 +33,7 @@ def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, **law):
 def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
     (text,) = told(MESH, dim=dim)
     assert text.startswith("Contact: 'wall' is 0.5 m thick at (4, ")
-    assert "if the wall moves sideways, the soil moves only half as far" in text
+    assert "if the wall moves sideways, the soil moves only half as far, and resists up to a quarter" in text
     assert "less than two cells of 0.5 m, with 'soil' on both sides" in text
     assert text.endswith("give cells of 0.25 m at most")
     assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells

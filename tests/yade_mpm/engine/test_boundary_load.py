@@ -87,3 +87,9 @@ def test_facets_are_pairs_and_left_out_ones_stay_so_after_a_checkpoint(tmp_path)
 def test_what_a_load_refuses(options, message):
     with pytest.raises((ValueError, TypeError), match=message):
         twoBodies(2, mpm.UGIMP(), loadsBonded=options.pop("loadsBonded", True), **options)[0].prepare()
+
+
+def test_a_load_on_boxes_names_the_one_that_acts_on_them():
+    scene, _ = twoBodies(2, mpm.UGIMP())
+    with pytest.raises(ValueError, match="'bed' is no mesh and has no facets; mpm.SurfaceLoad loads"):
+        scene.load(scene["bed"], box((0, 0), (2, 2)), pressure=1.0)

@@ -94,6 +94,13 @@ template <int Dim> struct BindScene {
         }
         return all;
     }
+    // Bodies that part soil, and its group.
+    static bp::list partedWalls(const S& scene) {
+        bp::list all;
+        for (const auto& wall : scene.parted.walls())
+            all.append(bp::make_tuple(scene.bodies[wall.body]->name, scene.groups[wall.soil]));
+        return all;
+    }
     static long advance(S& scene, long steps, double seconds) {
         Unlocked others;
         return scene.advance(steps, seconds);
@@ -236,6 +243,7 @@ template <int Dim> struct BindScene {
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("stageOrder", stageOrder)
+            .add_property("partedWalls", partedWalls)
             .add_property(
                 "stressFirst", +[](const S& scene) { return scene.scheme->stressFirst; })
             .add_property("energies", energies, setEnergies)

@@ -168,6 +168,8 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
     straighten(scene, state.search);
     state.impulses.nodes.assign(state.search.nodes.size(), {});
+    for (size_t i = 0; i < state.search.nodes.size(); ++i)
+        std::copy(state.search.nodes[i].twin, state.search.nodes[i].twin + 2, state.impulses.nodes[i].twin);
     if (scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
     return state;
 }
@@ -263,8 +265,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
-        const int* groups = search.nodes[pair.firstNode].field;
-        FrictionLaw law = lawOf(groups[0], groups[1]);
+        FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
         law.mayBeThree = mayBeThree;
         unsettled +=
             !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
@@ -312,8 +313,9 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
     }
     const double rubbed =
         contact.friction[0].dot(node.v[0]) - contact.friction[1].dot(node.v[1]); // booked later
+    const auto& rows = std::get<State<Dim>>(states_).impulses.nodes;
     scene.energies.contact +=
-        loss == 1 && node.responds() ? node.lostByAll() - rubbed : node.lostByStart(loss);
+        loss == 1 && node.responds() ? node.lostByAll() - rubbed : node.lostByStart(loss, rows);
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node);
 }
 

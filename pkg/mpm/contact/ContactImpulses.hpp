@@ -18,8 +18,17 @@ template <int Dim> struct NodeMotion {
     Impulses<Dim> J[2];                // what the first group loses, and what the second gets
     // Place in the response of implicit bodies, -1: none. ImplicitSides has v then, until it tells the nodes.
     int responding[2] = {-1, -1};
+    int twin[2] = {-1, -1}; // the row that has the same velocity of a side, see ContactNode
 
     static double sign(int side) { return side == 0 ? -1 : 1; }
+    // With those of the twin.
+    Impulses<Dim> allOn(int side, const std::vector<NodeMotion>& rows) const {
+        Impulses<Dim> all = J[side];
+        if (twin[side] < 0) return all;
+        all.all += rows[twin[side]].J[side].all;
+        all.agreeing += rows[twin[side]].J[side].agreeing;
+        return all;
+    }
     void take(int side, const Impulses<Dim>& more, double weight) {
         J[side].all += weight * more.all;
         J[side].agreeing += weight * more.agreeing;
@@ -29,13 +38,13 @@ template <int Dim> struct NodeMotion {
     }
     // Energy, kJ, that particles lose when they take a part of what makes the starts agree; of earlier pairs they have
     // taken the same part.
-    double lostByStart(double part) const {
+    double lostByStart(double part, const std::vector<NodeMotion>& rows = {}) const {
         double lost = 0;
         for (int side = 0; side < 2; ++side) {
-            const Vec<Dim> met = -sign(side) * part * J[side].agreeing;
             const Mat<Dim>& W = startInverseMass[side];
-            const Vec<Dim> before = start[side] - sign(side) * W * J[side].agreeing;
-            lost += met.dot((1 - part) * first[side] + part * before - 0.5 * W * met);
+            const Vec<Dim> made = sign(side) * W * allOn(side, rows).agreeing, before = start[side] - made;
+            const Vec<Dim> met = -sign(side) * part * J[side].agreeing;
+            lost += met.dot((1 - part) * first[side] + part * before + 0.5 * part * made);
         }
         return lost;
     }
@@ -98,7 +107,8 @@ template <int Dim> class ContactImpulses {
             for (int side = 0; side < 2; ++side) {
                 const Vec<Dim> taken = node.sign(side) * node.J[side].all,
                                change = implicit.isEmpty()
-                                            ? Vec<Dim>(node.inverseMass[side] * taken)
+                                            ? Vec<Dim>(node.inverseMass[side] * node.sign(side) *
+                                                       node.allOn(side, nodes).all)
                                             : implicit.changeSince(i - pair.firstNode, side, node.v[side]);
                 stopped -= taken.dot(node.v[side] - change);
                 answered += taken.dot(change);
@@ -145,6 +155,10 @@ template <int Dim> class ContactImpulses {
 
     void give(int i, int side, const Impulses<Dim>& more, double weight) {
         nodes[i].take(side, more, weight);
+        if (const int twin = nodes[i].twin[side]; twin >= 0) {
+            nodes[twin].v[side] = nodes[i].v[side];
+            nodes[twin].start[side] = nodes[i].start[side];
+        }
         if (const int pushed = nodes[i].responding[side]; pushed >= 0)
             implicit.push(pushed, nodes[i].sign(side) * weight * more.all);
     }
@@ -204,11 +218,19 @@ template <int Dim> class ContactImpulses {
             for (int i = 0; i < at.count; ++i)
                 for (int side = 0; side < 2; ++side) shares_[at.at[i]][side] += at.S[side][i];
         });
+        addTwins(pair);
         forSites([&](ContactSite<Dim>& site, const SiteNodes<Dim>& at) {
             const Relative r = relativeAt(at, shares_.data());
             site.J = lawOf(site).template impulses<Dim>(site, dt, r.mobility, r.startMobility, r.start, r.w);
         });
         forSites([&](const ContactSite<Dim>& site, const SiteNodes<Dim>& at) { give(at, site.J); });
+    }
+    // What pushes a wall from both sides pushes the same node.
+    void addTwins(const ContactPair<Dim>& pair) {
+        for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
+            for (int side = 0; side < 2; ++side)
+                if (const int twin = nodes[i].twin[side]; twin > i)
+                    shares_[i][side] = shares_[twin][side] = shares_[i][side] + shares_[twin][side];
     }
     std::vector<std::array<double, 2>> shares_;
 

@@ -53,6 +53,7 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     double areaOfPoints = 0; // m2, for which they stand here: their impulses are on it
     bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
     bool isLeftOut = false;  // contact points do all that it would
+    int twin[2] = {-1, -1};  // number of the contact node on which a side meets another field; -1: none
     bool acts = false, slides = false, touches = false; // with what it shares with contact points
     // kN s, what the first group loses and the second gets in this step, and what of it is friction.
     Vec<Dim> impulse[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()}, friction[2] = {impulse[0], impulse[1]};
@@ -71,15 +72,16 @@ template <int Dim> struct SiteNodes {
 };
 
 // A vertex of a mesh at the surface of the other group, between nodes that both move. Where shared cells hold surfaces
-// together across a gap, each group has the hat functions where its own surface is: nodes that a surface hardly reaches
+// together across a gap, and at walls that part soil, each group has the hat functions where its own surface is: nodes that a surface hardly reaches
 // are light, and at the vertex they would take any velocity and nothing would be held.
 template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {
     int side = 0, body = -1, vertex = -1; // the group whose mesh it belongs to, that body, and its vertex
     Vec<Dim> position = Vec<Dim>::Zero();
     double otherS[SurroundingNodes<Dim>::size]; // of the other group
+    bool isAtWall = false;                      // that parts soil
 
     SiteNodes<Dim> sites() const {
-        const double* other = this->carried > 0 ? otherS : this->S;
+        const double* other = isAtWall || this->carried > 0 ? otherS : this->S;
         return {this->size, this->contact, {side == 0 ? this->S : other, side == 0 ? other : this->S}};
     }
 };

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/contact/ContactSearch.hpp"
 
+#include <array>
+#include <map>
+
 namespace mpm {
 
 template <int Dim> void ContactSearch<Dim>::clear() {
@@ -19,8 +22,8 @@ template <int Dim> void ContactSearch<Dim>::prepare(const Scene<Dim>& scene) {
 
 // Which groups have explicit surfaces, and which outlines.
 template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
-    isExplicit_.assign(scene.groups.size(), true);
-    hasOutline_.assign(scene.groups.size(), false);
+    isExplicit_.assign(scene.groupOf.size(), true);
+    hasOutline_.assign(scene.groupOf.size(), false);
     for (auto& body : scene.bodies) {
         if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0)
             isExplicit_[body->velocityField] = false;
@@ -40,35 +43,7 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
     pair_.nodes = &nodes;
     const int groups = int(scene.groups.size());
     for (int a = 0; a < groups; ++a)
-        for (int b = a + 1; b < groups; ++b) {
-            const size_t firstPoint = points.size();
-            pair_.first = nodes.size();
-            for (int side = 0; side < 2; ++side) {
-                const int field = pair_.field[side] = side == 0 ? a : b;
-                pair_.isExplicit[side] = isExplicit_[field];
-                pair_.hasOutline[side] = hasOutline_[field];
-            }
-            for (int side = 0; side < 2; ++side) {
-                pair_.lastMotion[side] = rule.edgeMotions->template of<Dim>(pairOf(a, b), side);
-                pair_.motion[side].setZero();
-                pair_.edges[side] = 0;
-            }
-            pair_.ownsFacets =
-                rule.owned == OwnedFacets::all || (rule.owned == OwnedFacets::ofMeshes && pair_.hasMesh());
-            if (!findNodes(pair_)) continue;
-            findSurfaces(pair_);
-            findNormals(pair_, rule);
-            findGaps(pair_);
-            findPoints(pair_, points);
-            pairs.push_back({pair_.first,
-                             nodes.size(),
-                             firstPoint,
-                             points.size(),
-                             pair_.ownsFacets,
-                             {a, b},
-                             {pair_.motion[0], pair_.motion[1]},
-                             {pair_.edges[0] > 0, pair_.edges[1] > 0}});
-        }
+        for (int b = a + 1; b < groups; ++b) findPair(a, b, rule);
     if (scene.grid.isAxisymmetric) {
         for (auto& node : nodes) node.area *= scene.grid.thicknessAt(node.position[0]);
         for (auto& point : points) point.area *= scene.grid.thicknessAt(point.position[0]);
@@ -76,6 +51,71 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
     for (const auto& point : points)
         for (int corner = 0; corner < point.size; ++corner)
             nodes[point.contact[corner]].areaOfPoints += point.S[corner] * point.area;
+}
+
+// Of two groups, with all their fields.
+template <int Dim> void ContactSearch<Dim>::findPair(int a, int b, const SearchRule& rule) {
+    ContactPair<Dim> pair{};
+    pair.firstNode = nodes.size();
+    pair.firstPoint = points.size();
+    pair.group[0] = a;
+    pair.group[1] = b;
+    Vec<Dim> motion[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+    int edges[2] = {0, 0};
+    const auto& groupOf = pair_.scene->groupOf;
+    for (int fieldA = 0; fieldA < int(groupOf.size()); ++fieldA)
+        for (int fieldB = 0; fieldB < int(groupOf.size()); ++fieldB) {
+            if (groupOf[fieldA] != a || groupOf[fieldB] != b || !findFields(pair, fieldA, fieldB, rule))
+                continue;
+            for (int side = 0; side < 2; ++side) {
+                motion[side] += pair_.edges[side] * pair_.motion[side];
+                edges[side] += pair_.edges[side];
+            }
+        }
+    pair.endNode = nodes.size();
+    pair.endPoint = points.size();
+    if (pair.firstNode == pair.endNode) return;
+    for (int side = 0; side < 2; ++side) {
+        pair.hasEdges[side] = edges[side] > 0;
+        pair.motionOfEdges[side] = motion[side] / std::max(1, edges[side]);
+    }
+    findTwins(pair);
+    pairs.push_back(pair);
+}
+
+// Of one field of each group; false: they do not meet.
+template <int Dim>
+bool ContactSearch<Dim>::findFields(ContactPair<Dim>& pair, int a, int b, const SearchRule& rule) {
+    pair_.first = nodes.size();
+    for (int side = 0; side < 2; ++side) {
+        const int field = pair_.field[side] = side == 0 ? a : b;
+        pair_.isExplicit[side] = isExplicit_[field];
+        pair_.hasOutline[side] = hasOutline_[field];
+        pair_.lastMotion[side] =
+            rule.edgeMotions->template of<Dim>(pairOf(pair.group[0], pair.group[1]), side);
+        pair_.motion[side].setZero();
+        pair_.edges[side] = 0;
+    }
+    pair.ownsFacets = pair_.ownsFacets =
+        rule.owned == OwnedFacets::all || (rule.owned == OwnedFacets::ofMeshes && pair_.hasMesh());
+    if (!findNodes(pair_)) return false;
+    findSurfaces(pair_);
+    findNormals(pair_, rule);
+    findGaps(pair_);
+    findPoints(pair_, points);
+    return true;
+}
+
+// A wall between two soils is in contact with both on one node.
+template <int Dim> void ContactSearch<Dim>::findTwins(const ContactPair<Dim>& pair) {
+    std::map<std::array<int, 2>, int> rows; // by field and node
+    for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+        for (int side = 0; side < 2; ++side) {
+            const auto [first, isNew] = rows.insert({{nodes[i].field[side], nodes[i].node}, int(i)});
+            if (isNew) continue;
+            nodes[i].twin[side] = first->second;
+            nodes[first->second].twin[side] = int(i);
+        }
 }
 
 template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {

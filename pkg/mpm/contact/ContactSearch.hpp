@@ -29,6 +29,9 @@ template <int Dim> class ContactSearch {
     std::vector<bool> isExplicit_, hasOutline_; // of groups, see PairSearch
 
     void look(const Scene<Dim>& scene);
+    void findPair(int a, int b, const SearchRule& rule);
+    bool findFields(ContactPair<Dim>& pair, int a, int b, const SearchRule& rule);
+    void findTwins(const ContactPair<Dim>& pair);
     void clear();
 };
 

@@ -22,6 +22,9 @@ template <int Dim> class ExplicitSurface {
         SurroundingNodes<Dim> around;
         Vec<Dim> across = Vec<Dim>::Zero(); // m2, of the part: facets of a mesh that stand across an axis
         int number = -1;                    // of a vertex of a mesh
+        // Outward and extent of what soil on the other side of a wall sees, which is all one where that ends.
+        Vec<Dim> hidden = Vec<Dim>::Zero();
+        double hiddenExtent = 0;
 
         // What a surface has left of its area when its directions are added up: 1 for a plane, less at an
         // edge.
@@ -30,21 +33,26 @@ template <int Dim> class ExplicitSurface {
     };
     std::vector<Vertex> near; // of the vertices of a mesh or the facets of an outline
 
-    // What is near, and what its parts have of the surface: vertices, or the corners of facets.
-    void find(Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
+    // What is near, and what its parts have of the surface: vertices, or the corners of facets. Those of a mesh that look
+    // along `hidden` are left out.
+    void find(Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby,
+              const Vec<Dim>& hidden = Vec<Dim>::Zero()) {
+        hidden_ = hidden;
         body.type->isMeshed() ? findVertices(body, grid, nearby) : findFacets(body, grid, nearby);
     }
     const std::vector<Vertex>& parts(const Body<Dim>& body) const {
         return body.type->isMeshed() ? near : corners_;
     }
 
-    // f(vertex, area vector of its part of a facet).
+    // f(vertex, area vector of its part of a facet, whether that is hidden).
     template <class F> void forParts(Body<Dim>& body, F&& f) const {
-        for (const Vertex& corner : corners_) f(corner, corner.outward);
+        for (const Vertex& corner : corners_) f(corner, corner.outward, false);
         for (auto& facet : facets_.facets)
             for (int v : facet)
-                if (place_[v] >= 0)
-                    f(near[place_[v]], areaOf(body.domains->mesh()->vertexPositions(), facet) / facets_.size);
+                if (place_[v] >= 0) {
+                    const Vec<Dim> area = areaOf(body.domains->mesh()->vertexPositions(), facet);
+                    f(near[place_[v]], Vec<Dim>(area / facets_.size), isHidden(area));
+                }
     }
 
     // Of a mesh, as it was last found.
@@ -63,6 +71,11 @@ template <int Dim> class ExplicitSurface {
     std::vector<int> firstAt_;  // and where they begin
     std::vector<int> place_;    // of each vertex in `near`, -1: not there
     int particles_ = -1;        // when it was found
+    Vec<Dim> hidden_ = Vec<Dim>::Zero();
+
+    // Cosine between a facet and the normal of a wall above which it belongs to one side: flat tips belong to both.
+    static constexpr double ofOneSide = 0.5;
+    bool isHidden(const Vec<Dim>& area) const { return area.dot(hidden_) > ofOneSide * area.norm(); }
 
     // Of an area vector, the part along an axis from which on the facet stands across it.
     static constexpr double standsAcross = 1 - 1e-9;
@@ -102,8 +115,13 @@ template <int Dim> class ExplicitSurface {
             Vertex vertex{nearestNode(grid, x), x, Vec<Dim>::Zero(), 0, 0, nearby.around(grid, x)};
             for (int i = firstAt_[v]; i < firstAt_[v + 1]; ++i) {
                 const Vec<Dim> part = areaOf(X, facets_.facets[facetsAt_[i]]) / facets_.size;
-                vertex.outward += part;
                 const double area = part.norm();
+                if (isHidden(part)) {
+                    vertex.hidden += part;
+                    vertex.hiddenExtent += area;
+                    continue;
+                }
+                vertex.outward += part;
                 vertex.extent += area;
                 for (int k = 0; k < Dim; ++k)
                     if (std::abs(part[k]) > standsAcross * area) vertex.across[k] += area;

@@ -25,6 +25,10 @@ template <int Dim> class ImplicitSides {
             for (int side = 0; side < 2; ++side) {
                 const int field = search.nodes[i].field[side], node = search.nodes[i].node;
                 if (!bodies->template moves<Dim>(field, node)) continue;
+                if (const int twin = nodes[i].twin[side]; twin >= 0 && twin < int(i)) {
+                    nodes[i].responding[side] = nodes[twin].responding[side];
+                    continue;
+                }
                 nodes[i].responding[side] = int(response_.nodes.size());
                 response_.nodes.push_back({field, node});
                 places_.push_back({int(i), side});
@@ -33,9 +37,10 @@ template <int Dim> class ImplicitSides {
         bodies->place(response_);
         bodies->start(scene, response_, order(search, pair, nodes));
         for (size_t r = 0; r < places_.size(); ++r) {
-            auto& node = nodes[places_[r].contact];
-            node.inverseMass[places_[r].side] = response_.of(int(r), int(r));
-            start_.push_back(node.v[places_[r].side]);
+            const auto [contact, side] = places_[r];
+            start_.push_back(nodes[contact].v[side]);
+            for (int row : {contact, nodes[contact].twin[side]})
+                if (row >= 0) nodes[row].inverseMass[side] = response_.of(int(r), int(r));
         }
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             before_.push_back({nodes[i].v[0], nodes[i].v[1]});
@@ -63,8 +68,11 @@ template <int Dim> class ImplicitSides {
     template <class Nodes> void tell(Nodes& nodes) {
         if (isEmpty()) return;
         for (const auto& asked : response_.nodes) response_.bodies[asked.body].restart();
-        for (size_t r = 0; r < places_.size(); ++r)
-            nodes[places_[r].contact].v[places_[r].side] = velocity(int(r));
+        for (size_t r = 0; r < places_.size(); ++r) {
+            const auto [contact, side] = places_[r];
+            for (int row : {contact, nodes[contact].twin[side]})
+                if (row >= 0) nodes[row].v[side] = velocity(int(r));
+        }
     }
 
     // Change of the velocity of a side at contact node number i of the pair.
@@ -89,7 +97,7 @@ template <int Dim> class ImplicitSides {
         std::vector<Vec<Dim>> impulses, unfelt;
         for (const Place& place : places_) {
             const auto& node = nodes[place.contact];
-            const auto& J = node.J[place.side];
+            const Impulses<Dim> J = node.allOn(place.side, nodes);
             const double sign = node.sign(place.side);
             impulses.push_back(sign * J.all);
             unfelt.push_back(sign * part * node.startInverseMass[place.side] * J.agreeing);

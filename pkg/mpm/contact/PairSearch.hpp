@@ -8,6 +8,8 @@
 #include "mpm/contact/EdgeMotions.hpp"
 #include "mpm/contact/NearbyBoxes.hpp"
 
+#include <algorithm>
+
 namespace mpm {
 
 // Flatness below which a surface has an edge. Flatness is what a surface has left of its area when its
@@ -42,7 +44,19 @@ template <int Dim> struct PairSearch {
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];
+    NearbyBoxes<Dim> partners[2]; // of the other field of a soil, which counts where both are one
     std::vector<ExplicitSurface<Dim>> surfaces; // per body of the scene
+
+    // Whether a soil that a wall parts is one on a node.
+    bool isBonded(int node) const {
+        return scene->parted.isBonded(field[0], node) || scene->parted.isBonded(field[1], node);
+    }
+    // What the other group does not see of a body of a side, see PartedSoils.
+    Vec<Dim> hidden(int side, const Body<Dim>& body) const {
+        const auto is = [&](const auto& other) { return other.get() == &body; };
+        const auto found = std::find_if(scene->bodies.begin(), scene->bodies.end(), is);
+        return scene->parted.hiddenFrom(field[1 - side], int(found - scene->bodies.begin()));
+    }
 
     const Grid<Dim>& grid() const { return scene->grid; }
     const NodalField<Dim>& fieldOf(int side) const { return scene->grid.fields[field[side]]; }

@@ -40,10 +40,12 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
                 const Vec<Dim> d = vertex.position - contact->position;
                 const double along = sign * d.dot(contact->normal);
                 const double beside = std::max(0.0, d.squaredNorm() - along * along);
-                const double facing = sign * vertex.outward.dot(contact->normal) / vertex.size;
+                const Vec<Dim> outward =
+                    pair.isBonded(node) ? Vec<Dim>(vertex.outward + vertex.hidden) : vertex.outward;
+                const double size = outward.norm(), facing = sign * outward.dot(contact->normal) / size;
                 if (beside > h * h || beside >= seen.nearest || !(facing > leastFacing)) return;
                 seen.nearest = beside;
-                seen.reach = facing > planeFacing ? d.dot(vertex.outward) / (facing * vertex.size) : along;
+                seen.reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
             });
     });
 }
@@ -55,10 +57,17 @@ template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     const double sign = side == 0 ? 1 : -1;
     pair.forNodes([&](ContactNode<Dim>& contact) {
         const NodalSurface<Dim>& mesh = contact.surface[1 - side];
-        if (mesh.hasPlane())
-            contact.surface[side].intruded = pair.boxes[side].crossed(
-                pair.grid(), pair.nearby, contact.node, contact.position, sign * contact.normal, -mesh.reach,
-                pair.grid().meanSize(contact.node).minCoeff());
+        if (!mesh.hasPlane()) return;
+        const auto crossed = [&](const NearbyBoxes<Dim>& boxes) {
+            return boxes.isEmpty() ? -farAway
+                                   : boxes.crossed(pair.grid(), pair.nearby, contact.node, contact.position,
+                                                   sign * contact.normal, -mesh.reach,
+                                                   pair.grid().meanSize(contact.node).minCoeff());
+        };
+        contact.surface[side].intruded = crossed(pair.boxes[side]);
+        if (pair.isBonded(contact.node))
+            contact.surface[side].intruded =
+                std::max(contact.surface[side].intruded, crossed(pair.partners[side]));
     });
 }
 

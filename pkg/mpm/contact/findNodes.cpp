@@ -45,9 +45,11 @@ void addParts(PairSearch<Dim>& pair, int side,
             const double phi = vertex.around.S[corner];
             ContactNode<Dim>& contact = (*pair.nodes)[vertex.around.contact[corner]];
             NodalSurface<Dim>& surface = contact.surface[side];
-            surface.outward += phi * vertex.outward;
-            surface.extent += phi * vertex.extent;
-            surface.moment += phi * (vertex.position - contact.position) * vertex.outward.transpose();
+            const bool isWhole = pair.isBonded(contact.node);
+            const Vec<Dim> outward = isWhole ? Vec<Dim>(vertex.outward + vertex.hidden) : vertex.outward;
+            surface.outward += phi * outward;
+            surface.extent += phi * (vertex.extent + (isWhole ? vertex.hiddenExtent : 0));
+            surface.moment += phi * (vertex.position - contact.position) * outward.transpose();
         }
 }
 
@@ -57,13 +59,17 @@ template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
     const Grid<Dim>& grid = pair.grid();
     for (int side = 0; side < 2; ++side) {
         pair.boxes[side].find(*pair.scene, pair.field[side], pair.nearby);
-        if (!pair.boxes[side].isEmpty())
-            pair.forNodes([&](ContactNode<Dim>& contact) {
-                pair.boxes[side].addTo(contact.surface[side], grid, pair.nearby, contact.node,
-                                       contact.position);
-            });
+        pair.partners[side].find(*pair.scene, pair.scene->parted.partnerOf(pair.field[side]), pair.nearby);
+        pair.forNodes([&](ContactNode<Dim>& contact) {
+            const auto add = [&](const NearbyBoxes<Dim>& boxes) {
+                if (!boxes.isEmpty())
+                    boxes.addTo(contact.surface[side], grid, pair.nearby, contact.node, contact.position);
+            };
+            add(pair.boxes[side]);
+            if (pair.isBonded(contact.node)) add(pair.partners[side]);
+        });
         pair.forSurfaces(side, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
-            surface.find(body, grid, pair.nearby);
+            surface.find(body, grid, pair.nearby, pair.hidden(side, body));
             addParts(pair, side, surface.parts(body));
         });
     }

@@ -167,11 +167,12 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
     if (pair.edges[side] > 0) pair.motion[side] /= pair.edges[side];
     std::vector<Vec<Dim>> sum(approach.size(), Vec<Dim>::Zero());
     pair.forSurfaces(side, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
-        surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part) {
+        surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part, bool isHidden) {
             const double area = part.norm();
             for (int corner = 0; corner < vertex.around.size; ++corner) {
                 const int number = vertex.around.contact[corner];
                 if (number < 0 || (*pair.nodes)[number].edgeOf != side) continue;
+                if (isHidden && !pair.isBonded((*pair.nodes)[number].node)) continue;
                 const size_t i = number - pair.first;
                 const double closing =
                     std::max(0.0, part.dot(approach[i].velocity) / area) + approach[i].least;

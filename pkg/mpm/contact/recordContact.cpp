@@ -24,10 +24,11 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const N
         all.head<Dim>() = v;
         return all;
     };
-    table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
-                     contact.gap, contact.area + contact.areaOfPoints, inSpace(contact.impulse[1] / scene.dt),
+    const int first = scene.groupOf[contact.field[0]], second = scene.groupOf[contact.field[1]];
+    table.push_back({first, second, inSpace(contact.position), inSpace(contact.normal), contact.gap,
+                     contact.area + contact.areaOfPoints, inSpace(contact.impulse[1] / scene.dt),
                      inSpace(node.v[0] - node.v[1])});
-    double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
+    double* force = &forces[3 * pairOf(first, second)];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[1][k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, contact.overlap);
     sliding += contact.slides;

@@ -25,6 +25,8 @@ class MPM_PUBLIC Engine : public Configurable {
 
     // Whether each group of bodies needs a velocity field of its own.
     virtual bool separatesGroups() const { return false; }
+    // Whether it takes the velocity field of a group for one, so that no wall may part soil.
+    virtual bool needsOneField() const { return false; }
     // A step is complete; what is of the last step may be summed up.
     virtual void stepped(double /*dt*/) {}
 

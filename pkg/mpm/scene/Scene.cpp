@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 namespace mpm {
 
@@ -58,7 +59,10 @@ template <int Dim> void Scene<Dim>::separateGroups() {
         if (found == groups.end()) found = groups.insert(groups.end(), group);
         body->velocityField = int(found - groups.begin());
     }
-    grid.setFields(int(groups.size()));
+    groupOf.resize(groups.size());
+    std::iota(groupOf.begin(), groupOf.end(), 0);
+    parted.find(*this);
+    grid.setFields(int(groupOf.size()));
 }
 
 template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {

@@ -6,6 +6,7 @@
 #include "mpm/scene/Constraint.hpp"
 #include "mpm/scene/Engine.hpp"
 #include "mpm/scene/MirrorNodes.hpp"
+#include "mpm/scene/PartedSoils.hpp"
 #include "mpm/scene/Scheme.hpp"
 
 #include <array>
@@ -88,6 +89,8 @@ template <int Dim> class Scene {
     MirrorNodes<Dim> mirrors;                            // behind rollers
     const std::unique_ptr<SharedCells<Dim>> sharedCells; // of soil and a body that it is in contact with
     std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
+    PartedSoils<Dim> parted;         // that have two: the second ones come after those of all groups
+    std::vector<int> groupOf;        // of each field
 
     // Checks the chain and enters the static constraints; before the first step and after every change.
     void prepare();

@@ -66,7 +66,7 @@ template <int Dim> bool isDrivenWhole(const Scene<Dim>& scene, const Body<Dim>& 
 
 // Of the soil that has most of a cell.
 template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
-    std::vector<double> covers(scene.groups.size(), 0.0);
+    std::vector<double> covers(scene.groupOf.size(), 0.0);
     for (auto& body : scene.bodies)
         if (actsByCells(*body)) covers[body->velocityField] += body->cellAverage.coverOf(cell);
     return int(std::max_element(covers.begin(), covers.end()) - covers.begin());
@@ -110,7 +110,7 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
 
 // Groups with boxes that act by cells, and groups of meshes alone, unless they are too light.
 template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
-    const size_t groups = scene.groups.size();
+    const size_t groups = scene.groupOf.size();
     std::vector<double> lightest(groups, std::numeric_limits<double>::infinity());
     double heaviest = 0;
     isSoil_.assign(groups, 0);
@@ -122,7 +122,7 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
         if (body->domains->boxes()) {
             isSolid_[group] = 0;
             if (body->fbar && heaviest == 0) half_ = body->domains->boxes()->halfSize()[0];
-            if (body->fbar) isSoil_[group] = 1;
+            if (body->fbar && scene.parted.partnerOf(group) < 0) isSoil_[group] = 1;
             if (body->fbar) heaviest = std::max(heaviest, density);
         } else if (!isDrivenWhole(scene, *body)) {
             lightest[group] = std::min(lightest[group], density);

@@ -37,6 +37,7 @@ template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
         if (auto* ahead = dynamic_cast<ActingAhead*>(engine.get()); ahead && !engine->dead)
             ahead->actAhead(scene);
     scene.mirrors.fold(scene.grid, gravityOf(scene));
+    scene.parted.bond(scene);
     for (auto& engine : scene.engines)
         if (auto* joining = dynamic_cast<JoiningNodes*>(engine.get()); joining && !engine->dead)
             joining->join(scene);

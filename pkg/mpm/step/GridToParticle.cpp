@@ -53,6 +53,8 @@ template <int Dim> void reflectMotion(Scene<Dim>& scene) {
 
 template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     using Straining = typename NodalField<Dim>::Straining;
+    scene.parted.tellMotion(scene);
+    if (scene.grid.fields.front().straining == Straining::velocity) scene.parted.tellVelocity(scene);
     reflectMotion(scene);
     reactMirrored(scene, flip);
     auto& fields = scene.grid.fields;

@@ -21,6 +21,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     bool sealed = false, kozenyCarman = false;
 
     std::string className() const override { return "PoreWater"; }
+    bool needsOneField() const override { return true; }
     std::string doc() const override;
     std::vector<Parameter> attributes() override;
     void finish() override;

@@ -72,7 +72,10 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
             if (!isGiven)
                 body->domains->move(region, nullptr, fields[body->velocityField].momenta(),
                                     {scene.dt, 1, 0, body->inertiaScale});
-        region.once([&] { foldMomenta(scene); });
+        region.once([&] {
+            foldMomenta(scene);
+            scene.parted.bondMomenta(scene);
+        });
         for (auto& field : fields) momentumToVelocity(region, scene, field);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
@@ -80,6 +83,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
         if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
             coupling->couple(scene);
     if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
+    scene.parted.tellVelocity(scene);
     for (size_t f = 0; f < fields.size(); ++f) reflectVelocity(scene, int(f));
 }
 

@@ -33,7 +33,8 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
             if (scene.sorted) return;
             for (auto& field : scene.grid.fields) field.forgetExtents();
             for (auto& body : scene.bodies)
-                body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+                for (int field : {body->velocityField, scene.groupOf[body->velocityField]})
+                    body->domains->order.markExtents(scene.grid.fields[field]);
             for (auto& field : scene.grid.fields) field.partitionNodes();
             scene.located = true;
         });
@@ -79,7 +80,7 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
     std::vector<CellAverage<Dim>*> others;
     std::vector<const Body<Dim>*> strangers; // whose cells are not known
     for (auto& other : scene.bodies)
-        if (other->fbar && other->velocityField == body.velocityField) {
+        if (other->fbar && scene.groupOf[other->velocityField] == scene.groupOf[body.velocityField]) {
             if (other.get() != &body) others.push_back(&other->cellAverage);
         } else {
             strangers.push_back(other.get());

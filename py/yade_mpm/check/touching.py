@@ -43,7 +43,7 @@ def _inWords(pairs):
 
 
 def _thinWall(scene, body, soils):
-    """Yields a text if a mesh is thinner than two cells where one soil is on both sides of it."""
+    """Yields a text if a mesh is thinner than two cells where soil is on both sides that it does not part."""
     from scipy.spatial import cKDTree  # late: 0.1 s, and few need it
 
     middle, normal, thickness, first, second = _walls(scene, body)
@@ -51,6 +51,8 @@ def _thinWall(scene, body, soils):
     for group, others in soils:
         if not len(first):
             return
+        if (body.name, group) in scene._core.partedWalls:
+            continue
         soil = cKDTree(np.concatenate([b.position for b in others]))
         far, _ = soil.query(middle + BESIDE * cell[:, None] * normal)
         isBeside = far < NEAR * cell
@@ -63,7 +65,8 @@ def _thinWall(scene, body, soils):
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two cells of {size:.3g} m, "
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
             "only half as far, and resists up to a quarter too little; if the wall stands between grid "
-            f"lines, only a third to a half of its friction acts; give cells of {thin / THIN:.3g} m at most"
+            "lines, only a third to a half of its friction acts; add the soil on either side of its middle "
+            f"plane as a body of its own, and the wall parts it, or give cells of {thin / THIN:.3g} m at most"
         )
         return
 

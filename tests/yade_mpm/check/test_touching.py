@@ -10,8 +10,8 @@ from yade_mpm import box
 MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
 
 
-def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, **law):
-    """Messages about contact of a wall between soils."""
+def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True, **law):
+    """Messages about contact of a wall between soils; asOne: which are one body, if of one group."""
 
     def block(lower, upper):
         return box(lower, upper) if dim == 2 else box((lower[0], 0, lower[1]), (upper[0], 1, upper[1]))
@@ -19,9 +19,11 @@ def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, **law):
     upper = (8, 5) if dim == 2 else (8, 1, 5)
     scene = mpm.Scene((0,) * dim, upper, cell, threads=1)
     elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
-    scene.add("front", block((4 + thickness, 0), (8, 4)), elastic, BOXES, group="soil")
-    if back:
-        scene.add("back", block((0, 0), (4, 4)), elastic, BOXES, group=back)
+    front, behind = block((4 + thickness, 0), (8, 4)), block((0, 0), (4, 4))
+    isBoth = asOne and back == "soil"
+    scene.add("front", front | behind if isBoth else front, elastic, BOXES, group="soil")
+    if back and not isBoth:
+        scene.add("back", behind, elastic, BOXES, group=back)
     made = scene.add("wall", block((4, 0), (4 + thickness, 4)), elastic, wall, group="wall")
     if tilt:
         made.vertices[:, 0] += tilt * made.vertices[:, 1]
@@ -36,6 +38,8 @@ def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
     assert "if the wall moves sideways, the soil moves only half as far, and resists up to a quarter" in text
     assert "less than two cells of 0.5 m, with 'soil' on both sides" in text
     assert text.endswith("give cells of 0.25 m at most")
+    assert "add the soil on either side of its middle plane as a body of its own" in text
+    assert told(MESH, dim=dim, asOne=False) == []  # the wall parts it
     assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells
     assert told(MESH, back=None, dim=dim) == []  # control: soil on one side
 

@@ -3,7 +3,7 @@
 
 import argparse
 import json
-import re
+import shutil
 from pathlib import Path
 
 import pandas
@@ -12,12 +12,11 @@ import yade_mpm as mpm
 from yade_mpm.study import program
 from yade_mpm.study.study import parametersOf
 
-PAGE = Path(__file__).resolve().parents[3] / "doc" / "howto" / "studies.md"
+SCENE = Path(__file__).resolve().parents[3] / "doc" / "howto" / "my_scene.py"
 
 
 def test_the_scene_of_the_page_can_be_studied(tmp_path):
-    section = PAGE.read_text().split("## A scene of your own")[1]
-    (tmp_path / "my_scene.py").write_text(re.search("```py\n(.*?)```", section, re.S)[1])
+    shutil.copy(SCENE, tmp_path)
     program.main(["my_scene.py", "young=500,1000", "--smoke", "--until", "0.1", "--out", "mine"])
     table = pandas.read_csv("mine/results.csv")
     assert list(table["state"]) == ["done", "done"] and (table["settlement"] > 0).all()

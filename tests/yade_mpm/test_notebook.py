@@ -198,8 +198,6 @@ def test_pictures_refuse_what_they_cannot_show(ran):
         scene.plot("mass", "x")
     with pytest.raises(ValueError, match="no Contact or RigidContact"):
         scene.plot(forces=True)
-    with pytest.raises(ValueError, match="2D scenes"):
-        mpm.Scene((0, 0, 0), (1, 1, 1), 0.5).plot()
 
 
 def test_contact_forces_are_drawn_where_they_act():

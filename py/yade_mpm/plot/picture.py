@@ -88,8 +88,7 @@ def drawBodies(axes, parts):
 
 def drawField(axes, parts, field, component=None, limits=None, colours="viridis"):
     """Draws parts coloured by a field, with a colour bar; those without it are grey."""
-    values, unit = _numbersOf(parts, field, component)
-    limits = limits or _limitsOf(parts, values)
+    limits, values, unit = limitsAndNumbers(parts, field, component, limits)
     for part, each in zip(parts, values):
         drawn = drawDomains(axes, part.corners, each, part.meshed, colours, limits)
         if each is not None:
@@ -101,6 +100,13 @@ def drawField(axes, parts, field, component=None, limits=None, colours="viridis"
     colourBar(axes, coloured, labelOf(field, component, unit), extend=extend)
 
 
+def limitsAndNumbers(parts, field, component, limits):
+    """Ends of the colour scale, where none are given those of the values; values and unit, see
+    `_numbersOf`."""
+    values, unit = _numbersOf(parts, field, component)
+    return limits or _limitsOf(parts, values), values, unit
+
+
 def _numbersOf(parts, field, component):
     """One number for each particle of each part, None for a part without the field; and their unit."""
     found = [_fieldOf(part, field) for part in parts]
@@ -110,7 +116,7 @@ def _numbersOf(parts, field, component):
 
 def limitsOf(parts, field, component=None):
     """Ends of the colour scale of a field that no limits are given for."""
-    return _limitsOf(parts, _numbersOf(parts, field, component)[0])
+    return limitsAndNumbers(parts, field, component, None)[0]
 
 
 def _limitsOf(parts, values):

@@ -202,18 +202,19 @@ class ResultFrame(Mapping):
 
     @takes(limits=LIMITS)
     def plot(self, field=None, component=None, limits=None, **options):
-        """Draws the domains, as `Scene.plot` does; returns the axes.
+        """Draws the domains, as `Scene.plot` does; returns the axes, in 3D a Plotter of pyvista.
 
         Parameters
         ----------
         field, component, limits : as of `Scene.plot`.
         options : bodies, axes, colours, window, arrows, as of `Scene.plot`.
         """
-        from ..plot import picture
+        from ..plot import picture, space
 
-        if self.corners.shape[1] != 4:
-            raise ValueError("plot: pictures are made of 2D scenes; open the file in ParaView")
-        return picture.draw(self._parts(options.pop("bodies", None)), field, component, limits, **options)
+        draw = picture.draw if self._dim == 2 else space.draw
+        return draw(self._parts(options.pop("bodies", None)), field, component, limits, **options)
+
+    _dim = property(lambda self: 2 if self.corners.shape[1] == 4 else 3, doc="Of the scene.")
 
     def _parts(self, bodies=None):
         """What `plot` draws of some bodies, by default of all."""
@@ -221,7 +222,7 @@ class ResultFrame(Mapping):
 
         frames = [(name, self.body(name)) for name in bodies or self.bodies]
         parts = [
-            picture.Part(name, bool(f._shared.any()), f.corners[:, :, :2], _Fields(f))
+            picture.Part(name, bool(f._shared.any()), f.corners[:, :, : self._dim], _Fields(f))
             for name, f in frames
             if f.count
         ]

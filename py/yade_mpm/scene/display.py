@@ -18,15 +18,16 @@ def plot(
     arrows=None,
     forces=False,
 ):
-    """Draws the domains of a 2D scene as they are now, and returns the axes of matplotlib.
+    """Draws the domains as they are now, and returns the axes of matplotlib; in 3D a Plotter of pyvista.
 
         scene.plot("stress", "yy", limits=(-200, 0), arrows="velocity")
+        scene.plot("stress", "zz").show(screenshot="pile.png")  # 3D
 
     Parameters
     ----------
     field : name of a field of the bodies (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
         "deviatoricStress" (von Mises); bodies without it are grey. Default: each body in its own colour.
-    component : "x" or "y" of a vector (default: its length), "xx", "xy" ... of a tensor.
+    component : "x", "y" (or "z") of a vector (default: its length), "xx", "xy" ... of a tensor.
     limits : values at the ends of the colour scale; default: those of the bodies that yield (of all, if none
         does), without the lowest and the highest hundredth of their particles.
     bodies : bodies or their names; default: all.
@@ -36,15 +37,17 @@ def plot(
     arrows : name of a vector field that is drawn as arrows, e.g. "velocity"; default: none.
     forces : draw the forces of `Contact` and `RigidContact` as arrows; default False.
 
-    Raises ValueError for a scene in 3D (open the file of a Recorder in ParaView), a field that no body has, a
-    component that is not allowed.
+    axes, window, arrows and forces are for 2D. Without a screen set `pyvista.OFF_SCREEN = True` first. Raises
+    ValueError for a field that no body has, or a component that is not allowed; ImportError in 3D without
+    pyvista.
     """
-    from ..plot import picture
+    from ..plot import picture, space
 
-    if scene.dim != 2:
-        raise ValueError("plot: pictures are made of 2D scenes; open the file of a Recorder in ParaView")
     chosen = [scene[b] if isinstance(b, str) else b for b in bodies or scene.bodies]
     options = dict(axes=axes, colours=colours, window=window, arrows=arrows)
+    if scene.dim == 3:
+        options["forces"] = forces or None
+        return space.draw(picture.partsOf(chosen), field, component, limits, **options)
     axes = picture.draw(picture.partsOf(chosen), field, component, limits, **options)
     if forces:
         picture.drawForces(axes, scene.engines, f"kN{scene._perMetre}")

@@ -10,6 +10,7 @@ loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, cylinder, prism, halfSpace, everywhere, Region   regions; + - & | combine them
 polygonsFromFile               regions from GeoJSON and DXF
+particles, particlesFromFile, ParticleSet                        particles from arrays, CSV, VTU
 heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
 Mesh, meshFromFile, meshesFromFile, meshFromArrays, inRows       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
@@ -73,6 +74,7 @@ from .engine.supports import Anchor, Force, PointForce, Spring, Strut, SurfaceLo
 from .geometry.mesh import Mesh
 from .geometry.meshInput import meshesFromFile, meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
+from .geometry.particleSet import ParticleSet, particles, particlesFromFile
 from .geometry.polygonFiles import polygonsFromFile
 from .geometry.region import Region
 from .geometry.regions import box, cylinder, disc, everywhere, halfSpace, polygon, prism, sphere

@@ -35,6 +35,9 @@ from .geometry.meshInput import meshFromArrays as meshFromArrays
 from .geometry.meshInput import meshFromFile as meshFromFile
 from .geometry.meshInput import meshesFromFile as meshesFromFile
 from .geometry.meshRows import inRows as inRows
+from .geometry.particleSet import ParticleSet as ParticleSet
+from .geometry.particleSet import particles as particles
+from .geometry.particleSet import particlesFromFile as particlesFromFile
 from .geometry.polygonFiles import polygonsFromFile as polygonsFromFile
 from .geometry.region import Region as Region
 from .geometry.regions import box as box

@@ -17,6 +17,7 @@ import numpy as np
 SECONDS, SECONDS_PER_BYTE = 20.0, 2e-5  # of a processor
 WAITING = 6  # s for each second of a processor: other jobs, slow disks
 SHOWN = 300  # characters of what meshio says
+ALONE = "points", "names", "volume"  # arrays that are no cells
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 200  # bytes, and bytes per byte
 
 
@@ -24,6 +25,23 @@ def readMesh(path):
     """Points (N, 2 or 3), a list of (kind, dimension, corners) of the cells, and a dict name of a group ->
     numbers (N,) of its cells in each of the list, of a file; RuntimeError, which says why, where meshio does
     not read it."""
+    arrays = _arraysOf(path)
+    kinds = [name.split() for name in arrays if name not in ALONE and "group" not in name]
+    cells = [(kind, int(dim), arrays[f"{k} {kind} {dim}"]) for k, kind, dim in kinds]
+    names = arrays["names"].tolist()
+    groups = {name: [arrays[f"group {g} {k}"] for k in range(len(cells))] for g, name in enumerate(names)}
+    return arrays["points"], cells, groups
+
+
+def readPoints(path):
+    """Points (N, 2 or 3) of a file and their data "volume" (N,), None where it has none; RuntimeError, which
+    says why, where meshio does not read it."""
+    arrays = _arraysOf(path)
+    return arrays["points"], arrays.get("volume")
+
+
+def _arraysOf(path):
+    """The arrays that `_hand` writes in a process of its own."""
     size = os.path.getsize(path)
     seconds = SECONDS + size * SECONDS_PER_BYTE
     limits = [str(int(seconds) + 1), str(MEMORY + MEMORY_PER_BYTE * size)]
@@ -37,12 +55,7 @@ def readMesh(path):
     if done.returncode != 0:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         raise RuntimeError(lines[-1][:SHOWN] if lines else f"meshio ended with code {done.returncode}")
-    arrays = np.load(io.BytesIO(done.stdout), allow_pickle=False)
-    kinds = [name.split() for name in arrays if name not in ("points", "names") and "group" not in name]
-    cells = [(kind, int(dim), arrays[f"{k} {kind} {dim}"]) for k, kind, dim in kinds]
-    names = arrays["names"].tolist()
-    groups = {name: [arrays[f"group {g} {k}"] for k in range(len(cells))] for g, name in enumerate(names)}
-    return arrays["points"], cells, groups
+    return dict(np.load(io.BytesIO(done.stdout), allow_pickle=False))
 
 
 def _hand(path, seconds, memory):
@@ -60,8 +73,10 @@ def _hand(path, seconds, memory):
     cells = {f"{k} {c.type} {c.dim}": np.asarray(c.data) for k, c in enumerate(mesh.cells)}
     groups = _groups(mesh)
     rows = {f"group {g} {k}": r for g, all in enumerate(groups.values()) for k, r in enumerate(all)}
+    volume = {name: np.asarray(mesh.point_data[name]) for name in ("volume",) if name in mesh.point_data}
+    points, names = np.asarray(mesh.points), np.array(list(groups), str)
     image = io.BytesIO()
-    np.savez(image, points=np.asarray(mesh.points), names=np.array(list(groups), str), **cells, **rows)
+    np.savez(image, points=points, names=names, **volume, **cells, **rows)
     out.write(image.getvalue())
 
 

@@ -67,7 +67,7 @@ class Frame:
         self.points = np.concatenate(points)
         offsets = np.concatenate([[0], np.cumsum(_joined(corners, int))]).astype(np.int64)
         self.topology = (_joined(connectivity, np.int64), offsets, _joined(types, np.uint8), first)
-        self.data, self.units = _cellData(numbered, fields)
+        self.data, self.units = cellData(numbered, fields)
 
     def bytes(self):
         """Memory that it takes."""
@@ -97,7 +97,9 @@ def _cellsOf(body):
     return corners.reshape(-1, dim), np.arange(count * each).reshape(count, each)
 
 
-def _cellData(numbered, fields):
+def cellData(numbered, fields=None):
+    """Dict name -> (N,), (N, 3), (N, 6) or (N, 9) of the particles of some bodies, (number, body) each, and
+    dict name -> unit; fields: names, default those that a Recorder writes."""
     units = {f["name"]: f["unit"] for _, body in numbered for f in body.fields()}
     units.update({name: unit for name, (unit, _) in DERIVED.items()})
     if fields is None:

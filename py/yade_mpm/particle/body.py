@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..base.attributes import Guarded
 from ..base.deprecation import currentName
 from ..base.html import card, table
 from ..base.keywords import checked
-from ..base.kinds import TEXT, takes
+from ..base.kinds import FILE, TEXT, TEXTS, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
@@ -316,6 +317,20 @@ class Body(BodyShape, Guarded):
                 f"body '{self.name}': convert: tolerance = {shown(tolerance)} is not allowed; {allowed}"
             )
         return self._scene._convert(self, region, particles, tolerance)
+
+    @takes(file=FILE, fields=TEXTS)
+    def write(self, file: str | os.PathLike, fields: list[str] | None = None) -> None:
+        """Writes the particles as they are, a row each in the order of `id`: position, volume, fields.
+
+        Parameters
+        ----------
+        file : a name that ends in .csv, or in .vtu for ParaView; `mpm.particlesFromFile` reads both.
+        fields : names of fields (`body.fields()`), or those that a Recorder derives, such as "displacement";
+            default: those that a Recorder writes.
+
+        In 2D the volume is the area in the plane, m2. Raises ValueError for another name or field.
+        """
+        self._scene._writeParticles(self, file, fields)
 
     # --- parts, for driving ---
     def above(self, height: float) -> BodyPart:

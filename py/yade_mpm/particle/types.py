@@ -16,6 +16,7 @@ from ..geometry.meshChecks import checkMesh
 from ..geometry.meshing import meshRegion, refineNear
 from ..geometry.meshInput import meshFromArrays, meshFromFile
 from ..geometry.meshRows import rowByRow
+from ..geometry.particleSet import ParticleSet
 from ..geometry.region import Region
 
 
@@ -49,7 +50,11 @@ class ParticleType(Attributed):
     _fixed = None  # all: the domains are built
 
     def _geometry(self, region, scene, name):
-        """The Boxes that fill a region."""
+        """The Boxes that fill a region, or are at the places of a ParticleSet."""
+        if isinstance(region, ParticleSet):
+            edges = region._edgesIn(scene, name)
+            half = 0.5 * edges.max() * np.array(scene._core.cell)
+            return Boxes(region.positions, half, (edges / edges.max()) ** scene.dim)
         if not isinstance(region, Region):
             raise TypeError(
                 f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "

@@ -16,6 +16,7 @@ from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
 from ..geometry.mesh import Mesh
 from ..geometry.numbers import placeText
+from ..geometry.particleSet import ParticleSet
 from ..geometry.region import Region
 from ..material.materials import Material, isBeam
 from ..particle.body import Body
@@ -46,7 +47,7 @@ class Bodies(tuple):
 def add(
     scene,
     name: str,
-    region: Region | Mesh | Beam | tuple | str | os.PathLike,
+    region: Region | ParticleSet | Mesh | Beam | tuple | str | os.PathLike,
     material: Material | None = None,
     particles: ParticleType | None = None,
     inertiaScale: float = 1.0,
@@ -66,7 +67,8 @@ def add(
     name : str, used in messages, results and checkpoints.
     region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), a Mesh, or the name of a mesh file.
         Domains are in the order of the cells; those of a file are renumbered in rows, for speed:
-        `body.mesh.cellNumbers` tells which cell each is. Or a Beam, which has all but the name and the group.
+        `body.mesh.cellNumbers` tells which cell each is. For boxes also `mpm.particles` at
+        positions. Or a Beam, which has all but the name and the group.
     material : Material, e.g. mpm.LinearElastic(...).
     particles : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25). Default None: boxes that are
         cut as they grow long, mpm.UGIMP(perCell=2, splitAt=1.3), for a material that yields; a mesh with

@@ -6,6 +6,7 @@
 
 import numpy as np
 
+from ..geometry.particleSet import ParticleSet
 from ..geometry.region import Region
 from ..geometry.terrain import Layer
 from ..particle.types import classes
@@ -19,6 +20,9 @@ STIFFER = 4.0
 
 def particlesFor(scene, region, material):
     """The particle type that suits a body, and the reason, as text."""
+    if isinstance(region, ParticleSet):
+        options = {"splitAt": SPLIT} if material._core.yields else {}
+        return classes["UGIMP"](**options), "particles were given"
     if not isinstance(region, Region):
         return classes["APDI"](), "a mesh was given"
     if isinstance(region, Layer):

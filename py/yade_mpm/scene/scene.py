@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..base.attributes import Guarded
 from ..base.keywords import checked
 from ..base.wording import shown
+from ..io.particleFiles import writeParticles
 from ..particle.body import Body
 from . import asking, axial, display, grounding
 from .adding import Bodies, add
@@ -137,7 +138,7 @@ class Scene(HasEngines, HasClock, Guarded):
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     groundStress = groundStress
     run, step, pause, wait, close = run, step, pause, wait, close
-    _convert = convert  # for Body.convert
+    _convert, _writeParticles = convert, staticmethod(writeParticles)  # for Body
     _handOver, _refuseWhileRunning, _refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
     _refuseBetweenStages = refuseBetweenStages
     _watch = asking.watch  # for run

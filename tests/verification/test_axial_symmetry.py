@@ -275,11 +275,6 @@ def test_what_is_not_made_for_rings_is_refused():
     with pytest.raises(ValueError, match="knows plane strain"):
         scene.engines = [mpm.ParticleToGrid(), mpm.UniformAlong(axis="y"), *scene.engines[1:]]
         scene.run(steps=1, progress=False)
-    scene = mpm.Scene((0, 0), (1, 1), cell=0.1, gravity=10.0, axisymmetric=True, threads=1)
-    water = mpm.PoreWater(table=1.0, permeability=1e-5)
-    scene.add("soil", mpm.box((0, 0), (1, 0.5)), elastic(), mpm.APDI(size=0.1), water=water)
-    with pytest.raises(ValueError, match="mesh with water in an axisymmetric scene"):
-        scene.run(steps=1, progress=False)
     scene, body = block("UGIMP")
     scene.fix("left")
     with pytest.raises(ValueError, match="it is the axis"):

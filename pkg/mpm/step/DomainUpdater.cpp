@@ -177,6 +177,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         if (byCells && scene.sharedCells->isWanted)
             region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
+        const bool atOnce = body.material->takesWholeBody(); // its stress comes with wholeBody()
         const auto of = [&](int p) { return value[p]; };
         cells.template average<false>(region, volume, of, [&](int number, auto& cell) {
             const double s = cell.inside;
@@ -204,11 +205,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             const VelocityGradient<N> L(body.particles, begin);
             if (byCells) toTraces(L, dt, end - begin, value + begin);
             rest(begin, end);
-            takeMeans(begin, end);
+            if (!atOnce) takeMeans(begin, end);
         });
         wholeBody();
         const bool hasOpened = body.material->volumeRecord().opening >= 0 && shareOpening<N>(region, body);
-        if (hasOpened || body.material->takesWholeBody()) region.chunks(n, takeMeans);
+        if (hasOpened || atOnce) region.chunks(n, takeMeans);
         cells.template average<true>(region, volume, of, [](int, auto&) {});
         cells.giveLinear(region, scene.grid);
         region.chunks(n, [&](int begin, int end) {

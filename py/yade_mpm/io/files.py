@@ -137,7 +137,7 @@ def naming(file):
 
 def syncToDisk(path):
     """Waits until a file, or the names in a folder, are on the disk."""
-    number = os.open(path, os.O_RDONLY)
+    number = os.open(os.fspath(path), os.O_RDONLY)
     try:
         os.fsync(number)
     finally:

@@ -26,6 +26,8 @@ class ParticleSet:
     ----------
     positions : (N, dim), m.
     volumes : (N,), m3; in 2D m2, the area in the plane.
+
+    who : begins the messages of errors.
     """
 
     def __init__(self, positions, volumes, who="particles"):

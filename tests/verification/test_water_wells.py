@@ -85,3 +85,19 @@ def one(**water):
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+def test_drains_and_wells_change_between_two_runs():
+    """A pit is dewatered in stages: regions are taken as at the start, and an empty list ends them."""
+    scene, _, water = block()
+    drain = [(box((1.0, 0), (1.25, 1)), 2.0)]
+    _, _, other = block(drains=drain)
+    water.drains = drain
+    assert water.drains == other.drains
+    scene.run(until=scene.time + 0.1, progress=False)
+    assert water.outflow == pytest.approx(K * (1 / 1.125 + 1 / 0.875), rel=0.02)
+    water.drains, water.wells = [], [(box((1.0, 0), (1.25, 1)), 1e-3)]
+    scene.run(until=scene.time + 0.1, progress=False)
+    assert water.outflow == pytest.approx(1e-3, rel=1e-6)
+    with pytest.raises(TypeError, match="drains has 3"):
+        water.drains = [box((1, 0), (1.25, 1)), 3]

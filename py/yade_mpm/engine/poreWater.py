@@ -99,6 +99,10 @@ in front of it takes in what the soil sucks, as if it rained."""
             rows = [(0.0, value)] if isNumber(value) else value
             rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
             value = timeRows("PoreWater", name, rows, 1, None).ravel().tolist()
+        scene = self._owner and self._owner()
+        if name in ("wells", "drains") and scene and not all(isNumber(row) for row in np.ravel(value)):
+            rows = value if isinstance(value, (list, tuple)) else [value]
+            value = _cellRows(scene, name, [_checkedRegion(name, row) for row in rows])
         super()._assign(name, value)
 
     def _enter(self, scene):
@@ -113,13 +117,7 @@ in front of it takes in what the soil sucks, as if it rained."""
             numbers = [float(number) for row in rows for number in row if number is not None]
             self._core.set(name, numbers)
         for name, rows in self._regions.items():
-            numbers = []
-            for k, (region, value) in enumerate(rows):
-                cells, middles = _cellsInside(scene, name, region)
-                heads = middles[:, -1] if value is None else np.full(len(cells), value)
-                rows = (np.full(len(cells), k), cells, heads) if name == "wells" else (cells, heads)
-                numbers += np.stack(rows, axis=1).ravel().tolist()
-            self._core.set(name, [float(number) for number in numbers])
+            self._core.set(name, _cellRows(scene, name, rows))
 
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
@@ -170,6 +168,17 @@ def _checkedRegion(name, row):
         wanted = "(region, flow in m3/s)" if name == "wells" else "region, or (region, head in m)"
         raise TypeError(f"PoreWater: {name} has {shown(row)}; give a list of {wanted}")
     return region, value
+
+
+def _cellRows(scene, name, regions):
+    """Rows of numbers, one for each cell of a well or of a drain, one behind the other."""
+    numbers = []
+    for k, (region, value) in enumerate(regions):
+        cells, middles = _cellsInside(scene, name, region)
+        heads = middles[:, -1] if value is None else np.full(len(cells), value)
+        rows = (np.full(len(cells), k), cells, heads) if name == "wells" else (cells, heads)
+        numbers += np.stack(rows, axis=1).ravel().tolist()
+    return [float(number) for number in numbers]
 
 
 def _cellsInside(scene, name, region):

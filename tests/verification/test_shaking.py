@@ -235,6 +235,14 @@ def tied(*sides):
     return scene
 
 
+def test_a_function_gives_the_motion_along_x_or_along_all_axes():
+    motions = []
+    for motion in (lambda t: 0.1 * t, lambda t: (0.1 * t, 0)):
+        scene = layer()[0]
+        motions.append(np.array(scene.viscous("bottom", motion=motion, times=np.arange(0, 1, 0.1)).motion))
+    assert motions[0].any() and (motions[0] == motions[1]).all()
+
+
 @cases(
     ("tie: sides = ('left',) ... 'left' and 'right'", lambda: tied("left")),
     ("tie: sides = ('left', 'top') ... 'left' and 'right'", lambda: tied("left", "top")),
@@ -248,6 +256,11 @@ def tied(*sides):
     ("fix: the side 'bottom' is viscous", lambda: [s := layer()[0], s.viscous("bottom"), s.fix("bottom")]),
     ("behind = 3", lambda: layer()[0].viscous("bottom", behind=3), TypeError),
     ("motion is a function; give times", lambda: layer()[0].viscous("bottom", motion=lambda t: (t, 0))),
+    (
+        "motion: row 1 = ... nan]) is not finite",
+        lambda: layer()[0].viscous("bottom", motion=[(0, 0), (1, np.nan)]),
+    ),
+    ("motion = array([], ... rows of", lambda: layer()[0].viscous("bottom", motion=np.zeros((0, 2)))),
     ("sides = ()", lambda: layer()[0].viscous(), TypeError),
 )
 def test_what_is_refused(named, make, kind):

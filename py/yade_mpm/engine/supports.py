@@ -225,11 +225,14 @@ def timeRows(who, name, given, width, times):
     except (TypeError, ValueError):
         rows = np.zeros(0)
     rows = np.concatenate(([0.0], rows))[None] if rows.shape == (width,) else rows
-    if rows.ndim != 2 or rows.shape[1] != 1 + width or not np.isfinite(rows).all():
+    if rows.ndim != 2 or rows.shape[1] != 1 + width or not len(rows):
         raise ValueError(
             f"{who}: {name} = {shown(given)} is not allowed; give {width} number(s), or rows of "
             "the time and these"
         )
+    if not np.isfinite(rows).all():
+        bad = int(np.argmin(np.isfinite(rows).all(axis=1)))
+        raise ValueError(f"{who}: {name}: row {bad} = {shown(rows[bad])} is not finite; give finite numbers")
     if (np.diff(rows[:, 0]) <= 0).any():
         raise ValueError(f"{who}: {name}: times do not grow; give rows in the order of time")
     return rows

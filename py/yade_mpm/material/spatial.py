@@ -116,7 +116,8 @@ class RandomField:
 
     The field is sqrt(2/n) sum cos(k_i . x + phase_i) with random wave vectors k_i from the spectrum of the
     correlation: it is defined everywhere, and the same in bodies side by side. Raises ValueError for a
-    deviation below zero, lengths that are not positive, and a lognormal field with a mean that is not.
+    deviation below zero, lengths that are not positive, a lognormal field with a mean that is not, and a seed
+    or modes that are no whole numbers.
 
     Source: Shinozuka & Jan 1972, J. Sound Vib. 25, 111-128 (sums of random waves).
     """
@@ -125,6 +126,9 @@ class RandomField:
         self.lengths = np.atleast_1d(_floats("RandomField: lengths", lengths))
         if not ((self.lengths > 0) & np.isfinite(self.lengths)).all():
             raise ValueError(f"RandomField: lengths = {shown(lengths)}; give positive numbers, m")
+        for what, value, least in (("seed", seed, 0), ("modes", modes, 1)):
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+                raise ValueError(f"RandomField: {what} = {shown(value)}; give a whole number from {least} on")
         self.mean, self.deviation, self.lognormal = mean, deviation, lognormal
         self.seed, self.modes = seed, modes
         if isNumber(mean) and isNumber(deviation):  # functions are asked where there are particles

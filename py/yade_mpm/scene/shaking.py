@@ -97,8 +97,8 @@ def viscous(
     ----------
     sides : names, as of `fix`.
     motion : velocity of the ground at an outcrop of the rock, m/s: a record (along x), rows (time, one
-        component per axis) or (time, along x), or a function of the time, at `times`. Half of it comes in as
-        a wave.
+        component per axis) or (time, along x), or a function of the time that gives either, at `times`. Half
+        of it comes in as a wave.
     times : s, for a function.
     behind : Material of the ground there; default: that of the body at the side.
 
@@ -168,6 +168,8 @@ def _made(scene, side, motion, times, behind):
 def _rows(motion, times, dim):
     if hasattr(motion, "acceleration"):  # of geotech.readRecord
         motion = np.column_stack((motion.time, motion.velocity))
+    if callable(motion) and times is not None and len(times) and np.ndim(motion(times[0])) == 0:
+        motion = np.column_stack((times, [motion(t) for t in times]))
     along = not callable(motion) and np.ndim(motion) == 2 and np.shape(motion)[1] == 2 and dim > 1
     rows = timeRows("viscous", "motion", motion, 1 if along else dim, times)
     return np.column_stack((rows, np.zeros((len(rows), dim - 1)))) if along else rows

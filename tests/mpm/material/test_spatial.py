@@ -147,6 +147,14 @@ def testARandomFieldIsCheckedWhenItIsMade(mean, deviation, lengths):
         mpm.RandomField(mean, deviation, lengths, seed=1)
 
 
+@pytest.mark.parametrize(
+    "number", [dict(seed=1.5), dict(seed=-1), dict(seed=1, modes=0), dict(seed=1, modes=9.5)]
+)
+def testARandomFieldHasAWholeSeedAndWholeModes(number):
+    with pytest.raises(ValueError, match="RandomField: (seed|modes) = .*whole number"):
+        mpm.RandomField(10, 3, 1, **number)
+
+
 @pytest.mark.parametrize("young", [{"young": 6e3}, {"rigidity": 100}])
 @pytest.mark.parametrize("value", [0, -5])
 def testAStrengthThatIsSetByHandIsCheckedBeforeTheRun(young, value):

@@ -204,7 +204,8 @@ def test_pip_installs_what_the_package_imports():
             imported |= {name.split(".")[0] for name in names}
     text = (root / "pyproject.toml").read_text()
     lists = [
-        re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1] for name in ("dependencies", "study", "maps")
+        re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1]
+        for name in ("dependencies", "study", "maps", "view")
     ]
     asked = set(re.findall(r'"([\w-]+)', " ".join(lists)))
     assert {"numpy", "h5py"} <= imported

@@ -60,7 +60,7 @@ def groundStress(
     refuseMidStep(scene, "groundStress")
     ground = [b for b in (bodies or scene.bodies) if b.count and (bodies or b.material._core.yields)]
     if not ground:
-        raise ValueError("groundStress: no body of the scene yields; name the ground by bodies=[...]")
+        raise ValueError("groundStress: no body of the scene yields; give the ground by bodies=[...]")
     for name, value in (("gravity", gravity), ("water", water)):
         if not (value is None and name == "water" or isNumber(value) and np.isfinite(value)):
             raise ValueError(f"groundStress: {name} = {shown(value)} is not allowed; give a number")

@@ -82,15 +82,21 @@ def testPerParticleMeansThatYouSetTheField():
     scene.run(steps=1, progress=False)
 
 
-def testCutParticlesAndConvertedDomainsKeepTheirStrength():
+def pulledApart(soil):
+    """A scene and its block of boxes, some of which have been cut, and how many there were."""
     scene = mpm.Scene((0, 0), (6, 3), cell=0.5, threads=1)
-    soil = mpm.MohrCoulomb(**ELASTIC, cohesion=linear, frictionAngle=0.3)
     body = scene.add("soil", mpm.box((1, 0), (3, 2)), soil, mpm.UGIMP(perCell=2, splitAt=1.2))
     scene.engines = chain(fixed="bottom")
     before = body.count
     body.velocity[:, 0] = 8 * (body.position[:, 0] - 2)
     scene.run(until=0.1, progress=False)
     assert body.count > before
+    return scene, body, before
+
+
+def testCutParticlesAndConvertedDomainsKeepTheirStrength():
+    soil = mpm.MohrCoulomb(**ELASTIC, cohesion=linear, frictionAngle=0.3)
+    scene, body, before = pulledApart(soil)
     assert body.cohesion.min() >= 5
     assert np.unique(body.cohesion).size == np.unique(body.byId("cohesion")[:before]).size
 
@@ -297,13 +303,7 @@ def stiffBelow(x):
 
 def testStiffnessStaysWhenParticlesAreCutConvertedAndTakenAway():
     soil = mpm.MohrCoulomb(density=1.7, young=stiffBelow, poisson=0.3, cohesion=5, frictionAngle=0.3)
-    scene = mpm.Scene((0, 0), (6, 3), cell=0.5, threads=1)
-    body = scene.add("soil", mpm.box((1, 0), (3, 2)), soil, mpm.UGIMP(perCell=2, splitAt=1.2))
-    scene.engines = chain(fixed="bottom")
-    before = body.count
-    body.velocity[:, 0] = 8 * (body.position[:, 0] - 2)
-    scene.run(until=0.1, progress=False)
-    assert body.count > before
+    scene, body, before = pulledApart(soil)
     assert set(np.unique(body.young)) == {5e3, 2e4}
     assert (body.young[body.position[:, 1] > 1.3] == 5e3).all()
     scene.remove(region=mpm.box((0, 1.2), (6, 3)))

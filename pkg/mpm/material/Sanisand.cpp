@@ -204,7 +204,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         const double size = norm(away), beyond = size - radius * pTrial;
         now.s = trial;
         now.p = pTrial;
-        if (beyond > 0) flow(now, (1 / size) * away, beyond, K, G, e);
+        if (beyond > 0) flow(now, direction(away, beyond), beyond, K, G, e);
         if (now.p >= now.least) return 0;
         // The grains hardly touch: the stress ratio stays.
         const double missing = (now.least - now.p) / law.stiffness(smallest_);
@@ -215,15 +215,39 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         return std::clamp(-compressed, 0.0, missing);
     }
 
+    // Shape of the surfaces between compression and extension in direction n, and the flow B n - C dev(n^2) there.
+    struct Shape {
+        double g, B, C, trace3;
+        Symmetric n2;
+    };
+    Shape shapeAt(const Symmetric& n) const {
+        Shape at;
+        at.n2 = square(n);
+        at.trace3 = dot(n, at.n2);
+        const double cos3 = std::clamp(std::sqrt(6.0) * at.trace3, -1.0, 1.0);
+        at.g = 2 * c_ / (1 + c_ - (1 - c_) * cos3);
+        at.B = 1 + 1.5 * (1 - c_) / c_ * at.g * cos3;
+        at.C = 3 * std::sqrt(1.5) * (1 - c_) / c_ * at.g;
+        return at;
+    }
+    // Direction of the flow that ends at the yield surface, from a trial beyond it. The flow turns three times as
+    // far as the trial beside compression: by the trial's own direction, a part as long as the yield surface is
+    // wide would turn the stress over, and resist shear in that direction with a negative stiffness.
+    Symmetric direction(const Symmetric& away, double beyond) const {
+        const Symmetric n = (1 / norm(away)) * away;
+        const Shape at = shapeAt(n);
+        const Symmetric end = away + beyond * at.C * plusSpherical(at.n2, -1.0 / 3);
+        return (1 / norm(end)) * end;
+    }
+
     // Plastic flow from a trial beyond the yield surface; then the surface is moved to the stress.
     void flow(SandState& now, const Symmetric& n, double beyond, double K, double G, double e) const {
         const double p = std::max(now.p, smallest_), root = std::sqrt(2.0 / 3);
         const double start = dot(now.alpha, n);
         double travelled = start - dot(now.reversal, n);
         if (travelled < 0) now.reversal = now.alpha, travelled = 0;
-        const Symmetric n2 = square(n);
-        const double trace3 = dot(n, n2), cos3 = std::clamp(std::sqrt(6.0) * trace3, -1.0, 1.0);
-        const double g = 2 * c_ / (1 + c_ - (1 - c_) * cos3), psi = e - critical(p);
+        const auto [g, B, C, trace3, n2] = shapeAt(n);
+        const double psi = e - critical(p);
         const double bound = root * (g * M_ * std::exp(-nb_ * psi) - m_);
         const double transformed = root * (g * M_ * std::exp(nd_ * psi) - m_);
         const double b0 = shear_ * h0_ * std::max(1 - ch_ * e, 0.01) / std::sqrt(p / reference_);
@@ -231,7 +255,6 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         const double first = 2.0 / 3 * p * b0 * std::max(bound - start, 0.0) / std::max(travelled, 1e-6);
         const double half = 0.5 * beyond / p * first / (first + 2 * G), along = start + half;
         const double D = A0_ * (1 + std::max(dot(now.fabric, n), 0.0)) * (transformed - along);
-        const double B = 1 + 1.5 * (1 - c_) / c_ * g * cos3, C = 3 * std::sqrt(1.5) * (1 - c_) / c_ * g;
         const double h = b0 / std::max(travelled + half, 1e-6), harder = 2.0 / 3 * p * h * (bound - along);
         const double stiff = harder + 2 * G * (B - C * trace3) - K * D * (start + root * m_);
         const double L = beyond / std::max(stiff, 0.2 * G);

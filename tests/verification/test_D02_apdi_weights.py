@@ -243,7 +243,7 @@ def hourglassForces(X, X0, coefficient):
     pattern = np.array([SIGNS[dim][:, list(a)].prod(axis=1) for a in axes]) / corners
     edge = np.ptp(X0[:, 0])
     steepness = (2 / edge) ** 2 / 4 * np.array([len(a) / (1 if len(a) == 2 else 3) for a in axes])
-    k = coefficient * edge**dim * steepness  # (2/3) (lambda + 3 mu) = 1
+    k = coefficient * edge**dim * steepness  # (2/3) (E / (1 - nu^2) + mu) = 1
     return -(k[:, None] * pattern).T @ (pattern @ (X - X0))
 
 

@@ -77,7 +77,8 @@ def hourglassVectors(body, particle):
     g = np.stack([np.roll(y, -1) - np.roll(y, 1), np.roll(x, 1) - np.roll(x, -1)], axis=1) / (2 * V)
     signs = np.array([1, -1, 1, -1]) / 4
     a, mu = body.material.lame
-    return signs - g @ (signs @ X), body.type.hourglass * 2 / 3 * (a + 3 * mu) * V * (g**2).sum()
+    modulus = 2 / 3 * (4 * mu * (a + mu) / (a + 2 * mu) + mu)
+    return signs - g @ (signs @ X), body.type.hourglass * modulus * V * (g**2).sum()
 
 
 def denseCriticalStep(scene, fixedComponents=(), withHourglass=True):

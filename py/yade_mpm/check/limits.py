@@ -33,9 +33,10 @@ FLOW_STRAIN, FLOW_SHARE = 1e-3, 0.01
 # flow unsaid. A hybrid strip footing has 0.05 and 0.11 of its mesh beyond that strain while its load is
 # right, and 0.34 where it is 8 % too high and begins to fall.
 MESH_FLOW_STRAIN, MESH_FLOW_SHARE = 0.01, 0.1
-# Poisson's ratio from which on boxes without F-bar are warned of: a strip load settles 2 % less than with
-# F-bar at 0.45, 4 % at 0.475, 8 % at 0.49 and 42 % at 0.499 (0.5 % at 0.4).
-LOCKING_POISSON = 0.45
+# Poisson's ratio from which on particles without F-bar are warned of: a strip load settles 2 % less than with
+# F-bar at 0.45, 4 % at 0.475, 8 % at 0.49 and 42 % at 0.499 (0.5 % at 0.4). And the volume of a particle, in
+# cells, up to which it may lock: domains of a quarter of a cell do so as boxes do, those of 0.64 do not.
+LOCKING_POISSON, LOCKING_VOLUME = 0.45, 0.5
 # Growth of a body of soil that does not dilate from which on a run tells that it has opened: columns of sand
 # gain 2.5 to 50 % in a collapse, elasticity and noise well below 1 %.
 OPENED_VOLUME = 0.02

@@ -75,14 +75,16 @@ def elastic(poisson, type_, **more):
         (0.499, mpm.BSpline, {}, True),
         (0.44, mpm.UGIMP, {}, False),
         (0.499, mpm.UGIMP, {"fbar": True}, False),
-        (0.499, mpm.APDI, {}, False),
+        (0.499, lambda: mpm.APDI(size=0.25), {}, True),
+        (0.499, lambda: mpm.APDI(size=0.25), {"fbar": True}, False),
+        (0.499, mpm.APDI, {}, False),  # one domain in a cell
     ],
 )
-def test_boxes_that_hardly_change_their_volume_are_warned_of_before_the_first_step(
+def test_particles_that_hardly_change_their_volume_are_warned_of_before_the_first_step(
     poisson, type_, more, isTold
 ):
     said = warningsOf(elastic(poisson, type_(), **more).prepare)
-    told = f"body 'block': its boxes have no F-bar and Poisson's ratio {poisson:.4g}, so they lock: "
+    told = f"body 'block': its particles have no F-bar and Poisson's ratio {poisson:.4g}, so they lock: "
     assert [text.startswith(told) and text.endswith("give fbar=True in scene.add") for text in said] == (
         [True] if isTold else []
     )

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Forces against the hourglass patterns of the vertices, which the averaged gradient of a domain does not
 // see: the stiffness form of Flanagan & Belytschko 1981, from an energy,
-//     U = 1/2 sum_m k_m |h_m|^2,   k_m = coefficient (2/3)(lambda + 3 mu) V q_m,
+//     U = 1/2 sum_m k_m |h_m|^2,   k_m = coefficient (2/3)(E/(1 - nu^2) + mu) V q_m,
 //     f_a = -sum_m k_m h_m gamma_am.
 // h is the pattern of the domain less that of the undeformed one, deformed; its rate is sum_a gamma_am v_a,
 // and the vertices get the work that U loses:
 //     h_m = pattern_m(X) - F pattern_m(X0),   gamma_am = G_am / 2^Dim - g_a . F pattern_m(X0).
-// V and the steepness q_m are those of the undeformed domain. With coefficient 1 a square is as stiff against
-// its pattern as the exactly integrated bilinear element; q makes a cube as stiff against the patterns of its
-// faces, so that plane strain is a slab between rollers. Soil that yields bears no more: the stress of the
+// V and the steepness q_m are those of the undeformed domain. A pattern is bending: across it the domain is free
+// of stress, as a plate is. With lambda + 2 mu in place of E/(1 - nu^2) = 4 mu (lambda + mu)/(lambda + 2 mu) a
+// square would, with coefficient 1, be the exactly integrated bilinear element, which locks near
+// incompressibility. q makes a cube as stiff against the patterns of its faces, so that plane strain is a slab
+// between rollers. Soil that yields bears no more: the stress of the
 // patterns, k |h| / (V sqrt(q)), stays below a part of the shear strength, else the load of a footing would
 // grow with the elastic modulus.
 #pragma once
@@ -112,7 +114,9 @@ template <int Dim> class HourglassControl {
         stiffness(begin, end, lambda, mu);
         strength(begin, end, limit_.data() + begin);
         for (int p = begin; p < end; ++p) {
-            modulus_[p] = coefficient_ * (2.0 / 3.0) * (lambda[p - begin] + 3 * mu[p - begin]);
+            const double l = lambda[p - begin], G = mu[p - begin];
+            const double bending = G > 0 ? 4 * G * (l + G) / (l + 2 * G) : 0.0;
+            modulus_[p] = coefficient_ * (2.0 / 3.0) * (bending + G);
             limit_[p] *= bearable;
         }
     }

@@ -179,15 +179,16 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         setStress(points, i, plusSpherical(-1.0 * now.s, -now.p));
     }
 
-    // Strains a state in parts; the dilation that opens a gap.
+    // Strains a state in parts; the dilation that opens a gap. No part is longer than its share of `mostParts`: loose
+    // grains that are torn apart would dilate more in one long part than they are, and push each other away.
     double strain(SandState& now, const Symmetric& shear, double compressed, double e) const {
         const PressureStiffness law = elastic(e);
         double left = 1, gap = 0;
-        for (int n = 0; left > 0 && n < mostParts; ++n) {
+        while (left > 0) {
             const double K = law.stiffness(now.p), G = shearModulus(K, poisson_);
             const double size = (2 * G * norm(shear) + K * std::abs(compressed)) / std::max(now.p, smallest_);
             const double part =
-                n + 1 == mostParts ? left : std::min(left, largestPart / std::max(size, 1e-300));
+                std::min(left, std::max(largestPart / std::max(size, 1e-300), 1.0 / mostParts));
             gap += advancePart(now, part * shear, part * compressed, e, law);
             left -= part;
         }
@@ -273,7 +274,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         now.alpha = (1 / now.p) * now.s - root * m_ / std::max(norm(away), 1e-300) * away;
     }
 
-    // Elastic stress of a part over the pressure, and the most parts of a step.
+    // Elastic stress of a part over the pressure; a step whose parts are all longer has so many.
     static constexpr double largestPart = 0.01;
     static constexpr int mostParts = 1000;
 

@@ -10,6 +10,7 @@ dilatancy without fabric, and NorSand, which does not liquefy in cycles.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 M, E0, LAMBDA, XI, REFERENCE = 1.25, 0.934, 0.019, 0.7, 101.0
 SAND = dict(density=1.5, frictionAngle=np.arcsin(3 * M / (6 + M)), criticalVoidRatio=E0, compression=LAMBDA)
@@ -140,6 +141,21 @@ def testStepsOfAnySizeGiveAPossibleStress():
             q = np.sqrt(1.5 * ((stress + p * np.eye(3)) ** 2).sum())
             assert np.isfinite(stress).all() and p > 0
             assert q <= 4 * M * p
+
+
+def testSandThatIsTornApartGainsNoSpeed():
+    scene = mpm.Scene((-2, -2), (8, 5), cell=0.5, threads=1)
+    law = mpm.Sanisand(**SAND, stateParameter=-0.05)
+    body = scene.add("sand", mpm.box((1, 0), (3, 2)), law, mpm.UGIMP(perCell=2))
+    body.setStress(-20.0 * np.eye(3))
+    history = mpm.History(iterPeriod=1)
+    scene.engines = [*chain(), history]
+    body.velocity[:, 0] = 8 * (body.position[:, 0] - 2)
+    scene.run(until=0.1, progress=False)
+    energy = history["kineticEnergy"]
+    assert energy.max() < 1.03 * energy[0]
+    pressure = -np.trace(body.stress, axis1=1, axis2=2) / 3
+    assert pressure.min() >= 0 and pressure.max() < 1
 
 
 @pytest.mark.parametrize(

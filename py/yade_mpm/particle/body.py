@@ -160,8 +160,8 @@ class Body(BodyShape, Guarded):
         stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric; in 2D without shear out of the
             plane.
 
-        Raises ValueError for a wrong shape, a value that is not finite, or a material whose
-        stress follows from its deformation alone.
+        Raises ValueError for a wrong shape, a value that is not finite, a parameter "per particle" without
+        values that the state follows from, or a material whose stress follows from its deformation alone.
         """
         stress = _finite(self, "stress", stress, (self.count, 3, 3))
         if not np.allclose(stress, stress.swapaxes(1, 2)):
@@ -172,7 +172,22 @@ class Body(BodyShape, Guarded):
                 f"{np.abs(stress[:, 2, :2]).max():.3g} kPa, which plane strain does not have; give "
                 f"xz = yz = 0, or make a 3D scene"
             )
-        self._core.setStress(np.ascontiguousarray(stress, float))
+        unset = [name for name in self.material._spatial if np.isnan(getattr(self, name)).any()]
+        try:
+            self._core.setStress(np.ascontiguousarray(stress, float))
+        except ValueError:
+            if unset:
+                self._refuseUnset(unset)
+            raise
+        states = {variable[0] for variable in self.material._core.stateVariables()}
+        if unset and not all(np.isfinite(getattr(self, name)).all() for name in states - set(unset)):
+            self._refuseUnset(unset)
+
+    def _refuseUnset(self, names):
+        raise ValueError(
+            f"body '{self.name}': {names[0]} is \"per particle\" and has no values; set body.{names[0]} "
+            f"before its stress, as the state that belongs to that may follow from it"
+        )
 
     @property
     def inertiaScale(self) -> float:

@@ -373,6 +373,31 @@ def testAWrongValueSetByHandIsRefusedBeforeTheRun():
     scene.run(steps=1, progress=False)
 
 
+@pytest.mark.parametrize(
+    "law, name",
+    [
+        ("ModifiedCamClay", "compression"),
+        ("NorSand", "overconsolidationRatio"),  # its state would be no number
+        ("Sanisand", "stateParameter"),
+        ("Tresca", "rigidity"),
+    ],
+)
+def testAnInitialStressComesAfterTheValuesThatItsStateFollowsFrom(law, name):
+    scene, body = block(getattr(mpm, law)(**{**LAWS[law], name: "per particle"}))
+    with pytest.raises(ValueError, match=f"'soil': {name} is \"per particle\".*set body.{name} before"):
+        scene.initialStress(surface=DEPTH, K0=0.5)
+    setattr(body, name, LAWS[law][name])
+    scene.initialStress(surface=DEPTH, K0=0.5)
+    scene.run(steps=2, progress=False)
+
+
+def testAStrengthMayFollowTheInitialStress():
+    scene, body = block(clay("per particle"))
+    scene.initialStress(surface=DEPTH, K0=0.5)
+    body.undrainedStrength = 7.0
+    scene.run(steps=1, progress=False)
+
+
 def testLameConstantsAreThoseOfTheStiffestParticle():
     soil = mpm.Tresca(density=1.7, poisson=0.45, rigidity=100, undrainedStrength=[(0, 30), (DEPTH, 5)])
     assert np.isnan(soil.waveSpeed)  # no particle yet

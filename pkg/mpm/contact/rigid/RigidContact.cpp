@@ -165,7 +165,7 @@ template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Sce
     std::vector<RigidContactPoint> contacts = findOverlaps(scene);
     const auto& points = std::get<Points<Dim>>(points_);
     remember(contacts, history);
-    fitNewBoxes(points, shape_, particlesBefore(), contacts);
+    fitNewBoxes(scene, points, shape_, particlesBefore(), contacts);
     for (const RigidContactPoint& c : contacts) {
         const double depth = points[c.soil].halfAlong(c.normal) * (c.stretch - 1) - c.gap;
         if (depth > deepest[c.body].depth) deepest[c.body] = {c.body, c.soil, depth};
@@ -188,8 +188,9 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     dropRepeats(contacts, shape_);
     const std::vector<int> known = particlesBefore();
     forgetRenumbered(scene);
+    cutHistory(scene, points, history);
     remember(contacts, history);
-    fitNewBoxes(points, shape_, known, contacts);
+    fitNewBoxes(scene, points, shape_, known, contacts);
     std::get<MappedVelocities<Dim>>(velocities_).begin(scene);
     forces.fill(0);
     torques.fill(0);

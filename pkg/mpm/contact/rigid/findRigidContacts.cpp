@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/contact/rigid/findRigidContacts.hpp"
 
+#include "mpm/particle/CutBoxes.hpp"
+
 namespace mpm {
 
 namespace {
@@ -27,6 +29,13 @@ Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, const Rigid
     if (soil.type->isMeshed() || !scene.scheme->remaps) return own;
     own.head<Dim>() = vectorAt<Dim>(soil.particles.velocity, c.place);
     return scene.dt * (c.motion.centre - own);
+}
+
+// The boxes of a body that were cut in this step.
+template <int Dim> const std::vector<CutBox<Dim>>& justCut(const Body<Dim>& soil) {
+    static const std::vector<CutBox<Dim>> none;
+    const auto* boxes = dynamic_cast<const CutBoxes<Dim>*>(soil.domains.get());
+    return boxes ? boxes->justCut() : none;
 }
 
 } // namespace
@@ -116,14 +125,43 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
 }
 
 template <int Dim>
-void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<RigidShape>& shapes,
-                 const std::vector<int>& known, std::vector<RigidContactPoint>& contacts) {
+void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                std::vector<RigidContactPoint>& history) {
+    const auto give = [&](RigidContactPoint& half, const Vec<Dim>& offset) {
+        half.point.template head<Dim>() += offset;
+        const double off = half.normal.template head<Dim>().dot(offset);
+        half.stretch = std::max(0.0, half.stretch + off / points[half.soil].halfAlong(half.normal));
+        half.force *= 0.5;
+    };
+    std::vector<RigidContactPoint> made;
+    for (size_t s = 0; s < points.size(); ++s)
+        for (const CutBox<Dim>& cut : justCut(*scene.bodies[s]))
+            for (RigidContactPoint& c : history) {
+                if (c.soil != int(s) || c.id != cut.kept) continue;
+                made.push_back(c);
+                made.back().id = cut.made;
+                give(made.back(), -cut.offset);
+                give(c, cut.offset);
+            }
+    history.insert(history.end(), made.begin(), made.end());
+    const auto isBefore = [](auto& a, auto& b) { return a.pair() < b.pair(); };
+    if (!made.empty()) std::stable_sort(history.begin(), history.end(), isBefore);
+}
+
+template <int Dim>
+void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                 const std::vector<RigidShape>& shapes, const std::vector<int>& known,
+                 std::vector<RigidContactPoint>& contacts) {
+    const auto isHalf = [&](const RigidContactPoint& c) {
+        const auto& cuts = justCut(*scene.bodies[c.soil]);
+        return std::any_of(cuts.begin(), cuts.end(), [&](auto& cut) { return cut.kept == c.id; });
+    };
     for (RigidContactPoint& c : contacts) {
-        const bool isNewBody = c.soil >= int(known.size());
-        const bool isNew =
-            isNewBody ? shapes[c.shape].kind == RigidShape::HeightField : c.id >= known[c.soil];
         const double half = points[c.soil].halfAlong(c.normal);
-        if (!isNew || c.isKnown || c.gap >= 0 || half == 0) continue;
+        if (c.isKnown || c.gap >= 0 || half == 0) continue;
+        const bool isNew = c.soil >= int(known.size()) ? shapes[c.shape].kind == RigidShape::HeightField
+                                                       : c.id >= known[c.soil] || isHalf(c);
+        if (!isNew) continue;
         c.stretch = std::max(0.0, 1 + c.gap / half);
         c.isKnown = true;
     }
@@ -158,9 +196,11 @@ template std::vector<RigidContactPoint> findNearContacts(const Scene<2>&, const 
 template std::vector<RigidContactPoint> findNearContacts(const Scene<3>&, const std::vector<BodyPoints<3>>&,
                                                          const std::vector<RigidShape>&,
                                                          const std::vector<RigidState>&);
-template void fitNewBoxes(const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,
+template void cutHistory(const Scene<2>&, const std::vector<BodyPoints<2>>&, std::vector<RigidContactPoint>&);
+template void cutHistory(const Scene<3>&, const std::vector<BodyPoints<3>>&, std::vector<RigidContactPoint>&);
+template void fitNewBoxes(const Scene<2>&, const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
-template void fitNewBoxes(const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
+template void fitNewBoxes(const Scene<3>&, const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
 template bool followStrain(const Scene<2>&, const BodyPoints<2>&, MappedVelocities<2>&, const BoxNodes<2>*,
                            RigidContactPoint&);

@@ -23,11 +23,18 @@ void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<Rig
 // normal. Both are sorted.
 void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidContactPoint>& before);
 
-// Boxes that are new are as thick as fits, so that they start without overlap: the halves of one that was cut, and
-// boxes of a new body on ground, which its region was cut to. known: particles of each body in the step before.
+// The halves of a box that was cut press as it did: with its slip, half of its force, and its surface in place.
 template <int Dim>
-void fitNewBoxes(const std::vector<BodyPoints<Dim>>& points, const std::vector<RigidShape>& shapes,
-                 const std::vector<int>& known, std::vector<RigidContactPoint>& contacts);
+void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                std::vector<RigidContactPoint>& history);
+
+// Boxes that are new are as thick as fits, so that they start without overlap: both halves of one that was cut
+// before it was in touch, pieces of a mesh, and boxes of a new body on ground, which its region was cut to. known:
+// particles of each body in the step before.
+template <int Dim>
+void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                 const std::vector<RigidShape>& shapes, const std::vector<int>& known,
+                 std::vector<RigidContactPoint>& contacts);
 
 // Whether the strain may have moved a point so far that it is in touch.
 template <int Dim> bool mayTouch(const Scene<Dim>& scene, const RigidContactPoint& contact) {

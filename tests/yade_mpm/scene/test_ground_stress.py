@@ -105,6 +105,15 @@ def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
 
 
+@pytest.mark.parametrize("gravity", [5.0, 0.0])
+def test_the_stress_is_that_of_the_gravity_of_the_scene(gravity):
+    for call in ("initialStress", "groundStress"):
+        scene = mpm.Scene((0, 0), (4, 4), 0.5, gravity=gravity, threads=1)
+        body = scene.add("soil", mpm.box((0, 0), (4, 3)), sand(2.0), mpm.UGIMP())
+        getattr(scene, call)(K0=0.5, **({"surface": 3} if call == "initialStress" else {}))
+        assert body.stress[:, 1, 1] == pytest.approx(-2 * (gravity or 9.81) * (3 - body.position[:, 1]))
+
+
 @pytest.mark.parametrize("dim, axis", [(2, "y"), (3, "z")])
 def test_a_surface_that_is_not_the_top_of_the_ground_is_refused_with_the_reason(dim, axis):
     scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)

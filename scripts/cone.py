@@ -121,7 +121,7 @@ def run(a, scene=None):
 
 
 def draw(a, scene, way, factor, file):
-    """Plastic strain round the cone, and N_kt over its way."""
+    """Plastic strain round the cone, and N_kt over its penetration."""
 
     def field(axes):
         plot.domains(axes, scene.bodies, reference.strain, (0, 2), "plastic shear strain", scale=RADIUS)
@@ -129,7 +129,7 @@ def draw(a, scene, way, factor, file):
     bottom = -START - a.way - 4
     window = dict(xlim=(0, 6), ylim=(bottom, bottom + 9), xlabel="r / R", ylabel="z / R")
     lines = {"Lu et al. 2004": (way, np.full(len(way), exact(a)))}
-    labels = "way of the cone / R", "N_kt"
+    labels = "penetration of the cone / R", "N_kt"
     reference.compare(file, field, (way[1:], factor[1:]), lines, labels, window, mean=1 / a.cells)
 
 

@@ -121,7 +121,8 @@ def drive(
     byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True:
         it is looked up anew in each step, and what sinks below 12 is let go; default False.
 
-    Returns the `Drive` or `Hold`. `Drive` tells which nodes move.
+    Returns the `Drive` or `Hold`, which `scene.drives` has by its name, also after `mpm.load`. `Drive` tells
+    which nodes move.
 
     Raises TypeError and ValueError for anything else.
     """

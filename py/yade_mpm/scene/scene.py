@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..base.attributes import Guarded
 from ..base.keywords import checked
 from ..base.wording import shown
+from ..engine.prescribed import Drive, Hold
 from ..io.particleFiles import writeParticles
 from ..particle.body import Body
 from . import asking, axial, display, grounding
@@ -247,6 +248,12 @@ class Scene(HasEngines, HasClock, Guarded):
     constraints = property(
         lambda self: list(self.stepper.constraints), doc="All prescribed motions, faces included."
     )
+
+    @property
+    def drives(self) -> dict[str, Drive | Hold]:
+        """What `drive` has made, by name, to be looked at and changed; those of a checkpoint, too."""
+        solver = self._gridSolver("drives")
+        return {motion.name: motion for motion in (*solver.holds, *solver.drives)}
 
     def _thicknessAt(self, x):
         """Thickness of the scene at distances x from the axis, m: 2 pi x, in plane strain 1."""

@@ -273,6 +273,21 @@ def test_outputs_and_choices_come_back(tmp_path):
         loaded.prepare()
 
 
+def test_drives_of_a_checkpoint_are_there_to_be_changed(tmp_path):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    soil = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    body = scene.add("soil", mpm.box((0, 0), (4, 2)), soil, mpm.UGIMP())
+    scene.drive(body.above(1.5), velocity=(0, -0.1), name="press")
+    scene.drive("bottom", velocity=(0, 0), name="floor")
+    scene.run(steps=1)
+    scene.save(tmp_path / "a.h5")
+    loaded = mpm.load(tmp_path / "a.h5")
+    assert list(loaded.drives) == list(scene.drives) == ["floor", "press"]
+    loaded.drives["press"].velocity = (0, 0.1)
+    loaded.run(steps=1)
+    assert loaded["soil"].velocity[:, 1].max() > 0.09, "m/s"
+
+
 def test_a_load_may_be_added_after_a_restart(tmp_path):
     scene = hybrid()
     scene.save(tmp_path / "a.h5")

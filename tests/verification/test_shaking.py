@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Sides that waves leave by and earthquakes come in through, against closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 import yade_mpm as mpm
@@ -233,6 +235,21 @@ def tied(*sides):
     scene, _ = layer(gravity=9.81)
     scene.tie(*sides)
     return scene
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("step", [0, 1])
+def test_tied_sides_with_another_profile_are_warned_of(dim, step):
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 1.0, gravity=9.81)
+    ground = box((0,) * dim, (4,) * (dim - 1) + (2,)) | box(
+        (3,) + (0,) * (dim - 1), (4,) * (dim - 1) + (2 + step,)
+    )
+    scene.add("soil", ground, mpm.LinearElastic(**ELASTIC), mpm.UGIMP())
+    scene.tie("left", "right")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        scene.run(steps=1, progress=False)
+    assert [f"differs in {4 ** (dim - 2)} of the" in str(w.message) for w in told].count(True) == step
 
 
 def test_a_function_gives_the_motion_along_x_or_along_all_axes():

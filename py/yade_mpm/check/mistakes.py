@@ -26,6 +26,7 @@ ROUNDOFF = 1e-6  # relative, of a stress
 # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 OVERLAP = 0.02
 PERMEABLE = 1.0  # m/s; clean gravel has up to 0.1 or so
+UNEQUAL = 0.5  # of the mass of a cell: tied sides that differ by more have other profiles
 OVERDRAWN = 0.99  # of the hydrostatic pressure that water lacks: where gravity was zero, all of it
 
 
@@ -55,6 +56,7 @@ def likelyMistakes(scene, gravity):
         )
     yield from _leftOut(scene)
     yield from _water(scene)
+    yield from _tied(scene)
     groups = dict.fromkeys(b.group for b in scene.bodies)
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
         yield (
@@ -114,6 +116,22 @@ def _water(scene):
             yield (
                 f"PoreWater: '{body.name}' has less than the hydrostatic pressure of its table at the start; "
                 "give gravity before scene.add"
+            )
+
+
+def _tied(scene):
+    """Tied sides with other ground at one than at the other."""
+    for engine in (e for e in scene.engines if e.label.startswith("tied ") and not e.dead):
+        axis = "xyz".index(engine.axis)
+        lines = [line if k != axis else line[[0, 1, -2, -1]] for k, line in enumerate(scene.lines)]
+        solid = [b for b in scene.bodies if b.count]
+        found = sum(np.histogramdd(b.position, lines, weights=b.mass)[0] for b in solid)
+        first, last = (np.take(found, side, axis) for side in (0, 2)) if solid else (np.zeros(1),) * 2
+        other = np.abs(first - last) > UNEQUAL * np.maximum(first, last)
+        if other.any():
+            yield (
+                f"tie: the ground differs in {other.sum()} of the {(first + last > 0).sum()} cells at the "
+                "tied sides, which move as one: give both the same profile, e.g. a level strip each"
             )
 
 

@@ -38,9 +38,9 @@ def polygonsFromFile(file: str | os.PathLike, sag: float = 0.01) -> dict[str, Re
     regions = {}
     for key, rings in _polylines(name, sag) if ending == ".dxf" else _features(name):
         try:
-            region = polygon(rings[0])
-            for hole in rings[1:]:
-                region = region - polygon(hole)
+            region, *holes = (polygon(_distinct(ring)) for ring in rings)
+            for hole in holes:
+                region = region - hole
         except (ValueError, TypeError, IndexError) as error:
             raise ValueError(f"polygonsFromFile: '{key}' of {shown(name)}: {error}") from None
         regions[key] = regions[key] | region if key in regions else region
@@ -48,6 +48,11 @@ def polygonsFromFile(file: str | os.PathLike, sag: float = 0.01) -> dict[str, Re
         what = "closed polylines" if ending == ".dxf" else "polygons"
         raise ValueError(f"polygonsFromFile: {shown(name)} has no {what}; give a file with some")
     return regions
+
+
+def _distinct(ring):
+    """The corners of a ring, those once that a file has several times in a row."""
+    return [corner for corner, before in zip(ring, [None, *ring]) if corner != before]
 
 
 def _features(file):

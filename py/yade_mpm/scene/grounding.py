@@ -29,13 +29,17 @@ def terrain(scene, terrain: Terrain, friction: float = 0.0, adhesion: float = 0.
     friction : coefficient of the surface, -; default 0.
     adhesion : kPa; default 0.
 
-    Returns the `RigidContact`, which has the forces on the ground. ValueError for a raster that ends within
-    the scene or has other axes; RuntimeError after the first run.
+    Returns the `RigidContact`, which has the forces on the ground. ValueError for a second terrain, a raster
+    that ends within the scene or has other axes; RuntimeError after the first run.
     """
     refuseDuringStep(scene, "terrain")
     _checkReach(scene, terrain)
     engine = next((e for e in scene.engines if type(e) is RigidContact), None)
     isNew = engine is None
+    if not isNew and len(engine._core.value("heights")):
+        raise ValueError(
+            "terrain: the scene has a terrain already; give one, e.g. mpm.heightField(np.maximum(a, b), ...)"
+        )
     engine = RigidContact() if isNew else engine
     shape = HeightField(terrain.heights, terrain.spacing, terrain.origin)
     engine.addBody(shape, friction=friction, adhesion=adhesion)

@@ -46,6 +46,12 @@ def test_polygons_of_geojson_are_regions_with_holes(tmp_path):
     assert body.volume.sum() == pytest.approx(31)
 
 
+def test_corners_that_a_file_repeats_count_once(tmp_path):
+    twice = [corner for corner in SQUARE for _ in range(2)]
+    found = mpm.polygonsFromFile(written(tmp_path, feature("clay", "Polygon", [twice, HOLE])))
+    assert repr(found["clay"]) == repr(mpm.polygon(SQUARE) - mpm.polygon(HOLE))
+
+
 def test_a_geometry_alone_is_a_polygon(tmp_path):
     file = tmp_path / "one.json"
     file.write_text(json.dumps({"type": "Polygon", "coordinates": [SQUARE]}))

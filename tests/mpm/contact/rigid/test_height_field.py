@@ -255,6 +255,10 @@ def test_terrain_refuses_what_it_cannot_be():
     scene.engines = chain(contact)
     with pytest.raises(ValueError, match="has 1 rows of heights; give an array"):
         scene.run(steps=1, progress=False)
+    scene = mpm.Scene((0, 0, 0), (8, 4, 6), 0.5)
+    scene.terrain(mpm.heightField(flat, 1.0))
+    with pytest.raises(ValueError, match="the scene has a terrain already; give one"):
+        scene.terrain(mpm.heightField(flat + 1, 1.0))
 
 
 # --- a flow down a chute ----------------------------------------------------------------------------------

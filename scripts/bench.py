@@ -3,10 +3,11 @@
 
 One line per case, in ns per particle-step: every stage, the shortest of all single steps, and their sum,
 which other jobs on the machine disturb little; the mean step of the quietest repeat and of the noisiest;
-bytes per particle, share of the particles that yield meanwhile, and us per step outside of the stages. Beside
-it the sum in the stored baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells
-of the machine and of the hour as well. The only honest comparison of two builds is --against, which runs them
-alternately on one machine:
+bytes per particle, share of the particles that yield meanwhile, us per step outside of the stages, and the
+share of the work that one thread does alone (on two threads or more). Beside it the sum in the stored
+baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells of the machine and of
+the hour as well. The only honest comparison of two builds is --against, which runs them alternately on one
+machine:
 
     scripts/run bench --quick                                   # a choice of cases, under a minute
     scripts/run bench --dim 2 3 --particles 200000 --threads 1 2
@@ -167,6 +168,7 @@ def measure(binary, case, repeats):
         step=round(least["step"], 2),
         slowest=round(most["step"], 2),
         overhead=round(least["overhead"], 3),
+        alone=round(least.get("alone", 0.0), 4),
         bytes=round(least["bytesPerParticle"]),
         yielding=round(least["yielding"], 3),
     )
@@ -255,7 +257,7 @@ def headline():
     stages = " ".join(f"{short:>7}" for short in STAGES.values())
     return (
         f"{'ns per particle-step':36} {stages} {'sum':>7} {'mean':>7} {'(max)':>9} {'bytes':>6} "
-        f"{'yielding':>8} {'us besides':>10} {'baseline':>9} ratio"
+        f"{'yielding':>8} {'us besides':>10} {'alone':>6} {'baseline':>9} ratio"
     )
 
 
@@ -265,7 +267,7 @@ def line(f, before):
     against = f"{before['shortest']:9.1f} {f['shortest'] / before['shortest']:5.2f}" if before else ""
     return (
         f"{f['case']:36} {stages} {f['shortest']:7.1f} {f['step']:7.1f} {slowest:>9} {f['bytes']:6} "
-        f"{f['yielding']:8.0%} {f['overhead']:10.2f} {against}"
+        f"{f['yielding']:8.0%} {f['overhead']:10.2f} {f['alone']:6.1%} {against}"
     )
 
 

@@ -114,8 +114,18 @@ template <int Dim> double bytesPerParticle(const Scene<Dim>& scene) {
     return bytes / scene.particleCount();
 }
 
+// Since the scene was made.
+template <int Dim> ThreadUse threadUse(const Scene<Dim>& scene) {
+    ThreadUse all;
+    for (auto& engine : scene.engines) {
+        all.alone += engine->use.alone;
+        all.busy += engine->use.busy;
+    }
+    return all;
+}
+
 // In ns per particle-step: the shortest of each stage and their sum, and the mean step; overhead, the time of
-// a step outside of the engines, in us per step.
+// a step outside of the engines, in us per step; alone, the share of the work that one thread does while others wait.
 template <int Dim> void measure(benchmark::State& state, const Case& c) {
     Scene<Dim>& scene = sceneOf<Dim>(c);
     scene.advance(3, forever); // memory is touched, threads are there
@@ -123,10 +133,13 @@ template <int Dim> void measure(benchmark::State& state, const Case& c) {
     const auto strain = plasticStrain(scene);
     auto& stopwatch = static_cast<Stopwatch&>(*scene.engines.back());
     stopwatch.restart();
+    const ThreadUse before = threadUse(scene);
     const auto start = Clock::now();
     while (state.KeepRunningBatch(steps)) scene.advance(steps, forever);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
 
+    const ThreadUse now = threadUse(scene);
+    const double alone = now.alone - before.alone, busy = now.busy - before.busy;
     const double perParticle = 1e9 / scene.particleCount();
     double shortest = 0;
     for (size_t e = 0; e < stopwatch.shortest.size(); ++e) {
@@ -136,6 +149,7 @@ template <int Dim> void measure(benchmark::State& state, const Case& c) {
     state.counters["shortest"] = shortest * perParticle;
     state.counters["step"] = seconds / double(steps) * perParticle;
     state.counters["overhead"] = 1e6 * stopwatch.outside;
+    state.counters["alone"] = busy > 0 ? alone / (alone + busy) : 0;
     state.counters["particles"] = scene.particleCount();
     state.counters["bytesPerParticle"] = bytesPerParticle(scene);
     state.counters["yielding"] = shareThatGrew(strain, plasticStrain(scene));

@@ -63,7 +63,13 @@ void exposeEngines() {
             +[](Engine& e, double s) { storeRelaxed(e.seconds, s); })
         .add_property(
             "calls", +[](Engine& e) { return loadRelaxed(e.calls); },
-            +[](Engine& e, long n) { storeRelaxed(e.calls, n); });
+            +[](Engine& e, long n) { storeRelaxed(e.calls, n); })
+        .add_property(
+            "threadUse", +[](Engine& e) {
+                const ThreadUse& use = e.use;
+                return bp::make_tuple(loadRelaxed(use.alone), loadRelaxed(use.busy),
+                                      loadRelaxed(use.waiting));
+            });
     bp::def("makeEngine", &Registry<Engine>::make);
     bp::def("engineNames", +[] { return listOf(Registry<Engine>::names()); });
     bp::def(

@@ -47,7 +47,7 @@ std::vector<double> randomNumbers(int n) {
 
 TEST(ThreadPool, calls_every_thread_once_and_the_same_ones_again) {
     for (int threads : threadNumbers)
-        ThreadPool::during(threads, [&] {
+        ThreadPool::during(threads, {}, [&] {
             for (int call = 0; call < 50; ++call) {
                 auto calls = counters(threads);
                 ThreadPool::run(threads, [&] { ++calls[omp_get_thread_num()]; });
@@ -58,7 +58,7 @@ TEST(ThreadPool, calls_every_thread_once_and_the_same_ones_again) {
 
 // OpenMP may give fewer threads inside of a pool; the work is divided among those that there are.
 TEST(ThreadPool, does_all_work_where_another_number_of_threads_is_wanted) {
-    ThreadPool::during(2, [&] {
+    ThreadPool::during(2, {}, [&] {
         for (int threads : threadNumbers) {
             auto done = counters(100);
             parallel(threads, [&](ParallelRegion& region) {
@@ -71,8 +71,8 @@ TEST(ThreadPool, does_all_work_where_another_number_of_threads_is_wanted) {
 
 TEST(ThreadPool, inside_of_another_uses_that_one) {
     std::atomic<int> calls{0};
-    ThreadPool::during(2, [&] {
-        ThreadPool::during(3, [&] { ThreadPool::run(2, [&] { ++calls; }); });
+    ThreadPool::during(2, {}, [&] {
+        ThreadPool::during(3, {}, [&] { ThreadPool::run(2, [&] { ++calls; }); });
         ThreadPool::run(2, [&] { ++calls; });
     });
     EXPECT_EQ(calls, 4);
@@ -80,12 +80,46 @@ TEST(ThreadPool, inside_of_another_uses_that_one) {
 
 TEST(ThreadPool, lets_an_error_out_and_ends_its_threads) {
     for (int threads : threadNumbers) {
-        EXPECT_THROW(ThreadPool::during(threads, [] { throw std::runtime_error("wanted"); }),
+        EXPECT_THROW(ThreadPool::during(threads, {}, [] { throw std::runtime_error("wanted"); }),
                      std::runtime_error);
         std::atomic<int> calls{0};
         ThreadPool::run(threads, [&] { ++calls; }); // no pool is left behind
         EXPECT_EQ(calls, threads);
     }
+}
+
+// Two threads: the first works for 40 ms, the other waits; then one of them works for 30 ms while the other waits in
+// once(); then the first works for 20 ms outside of all regions.
+TEST(ThreadPool, counts_the_time_of_its_threads_for_each_purpose) {
+    ThreadUse unused, use, other;
+    const auto sleep = [](int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); };
+    const auto begin = ThreadClock::Clock::now();
+    ThreadPool::during(2, {&unused, &use, &other}, [&] {
+        ThreadPool::countFor(1);
+        parallel(2, [&](ParallelRegion& region) {
+            if (omp_get_thread_num() == 0) sleep(40);
+            region.wait();
+            region.once([&] { sleep(30); });
+        });
+        sleep(20);
+        ThreadPool::countFor(2);
+        sleep(10);
+    });
+    const double all = ThreadClock::since(begin);
+    EXPECT_LT(unused.alone, all); // what passes before the first purpose
+    EXPECT_EQ(unused.busy + unused.waiting + other.busy + other.waiting, 0);
+    EXPECT_GE(other.alone, 0.010);
+    EXPECT_GE(use.alone, 0.050);
+    EXPECT_GE(use.busy, 0.040);
+    EXPECT_GE(use.waiting, 0.035); // the second thread may begin later than the first
+    EXPECT_LE(use.alone + (use.busy + use.waiting) / 2 + unused.alone + other.alone, all + 1e-9);
+    EXPECT_GE(use.alone + (use.busy + use.waiting) / 2, 0.090);
+}
+
+TEST(ThreadPool, of_one_thread_counts_nothing) {
+    ThreadUse use;
+    ThreadPool::during(1, {&use}, [] { ThreadPool::countFor(0); });
+    EXPECT_EQ(use.alone + use.busy + use.waiting, 0);
 }
 
 TEST(Barrier, nobody_goes_on_before_all_are_there) {

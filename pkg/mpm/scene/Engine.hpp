@@ -4,6 +4,7 @@
 // A scene holds engines and is known here by its name only; the file of an engine includes Scene.hpp.
 #pragma once
 
+#include "mpm/base/parallel/ThreadClock.hpp"
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
 
@@ -19,6 +20,7 @@ class MPM_PUBLIC Engine : public Configurable {
     // Timing, kept by the scene's loop.
     double seconds = 0;
     long calls = 0;
+    ThreadUse use; // on two threads or more
 
     // Whether the engine is a part of the step; others look at the state before or after it.
     virtual bool isStage() const { return true; }

@@ -102,11 +102,14 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     for (size_t e = 0; e < engines.size(); ++e)
         if (engines[e]->isStage() && !engines[e]->dead) lastStage = e;
     long taken = 0;
-    ThreadPool::during(threads, [&] {
+    std::vector<ThreadUse*> uses;
+    for (auto& engine : engines) uses.push_back(&engine->use);
+    ThreadPool::during(threads, uses, [&] {
         for (; taken < steps; ++taken) {
             if (taken > 0 && since(start) >= seconds) break;
             for (size_t e = 0; e < engines.size(); ++e) {
                 Engine& engine = *engines[e];
+                ThreadPool::countFor(int(e));
                 const auto tick = [&] {
                     if (e == lastStage) endStep(time + dt);
                 };

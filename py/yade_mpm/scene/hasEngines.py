@@ -15,6 +15,7 @@ from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Prescribed
 from . import asking
 from .running import refuseDuringStep
+from .timing import Timing
 
 
 class HasEngines:
@@ -115,6 +116,6 @@ class HasEngines:
             )
         self._core.scheme = name
 
-    def timing(self) -> dict[str, tuple[float, int]]:
-        """Dict engine -> (seconds, calls) since the scene was made."""
-        return {(e.label or type(e).__name__): (e.seconds, e.calls) for e in self.engines}
+    def timing(self) -> Timing:
+        """Dict engine -> (seconds, calls) since the scene was made; print it to see where threads wait."""
+        return Timing(self.engines)

@@ -4,6 +4,8 @@
 // twenty.
 #pragma once
 
+#include "mpm/base/parallel/ThreadClock.hpp"
+
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -18,6 +20,7 @@ class Barrier {
     void wait(int threads, bool areTooMany) {
         const long mine = round_.load(std::memory_order_relaxed);
         if (arrived_.fetch_add(1, std::memory_order_acq_rel) == threads - 1) return open(mine);
+        const ThreadClock::Adding time(&ThreadClock::waiting);
         const auto poll = [&](int polls, auto&& between) {
             for (; polls > 0; --polls, between())
                 if (round_.load(std::memory_order_acquire) != mine) return true;

@@ -2,6 +2,7 @@
 // Pieces of work that share memory, coloured so that any number of threads sums in the same order.
 #pragma once
 
+#include "mpm/base/parallel/ThreadClock.hpp"
 #include "mpm/base/parallel/WorkPartition.hpp"
 
 #include <atomic>
@@ -74,6 +75,8 @@ class ColouredPieces {
         });
     }
     void await(int piece) const {
+        if (mayBegin(piece)) return;
+        const ThreadClock::Adding time(&ThreadClock::waiting);
         for (int polls = 0; !mayBegin(piece); ++polls)
             if (polls > pollsBeforeYielding) std::this_thread::yield();
     }

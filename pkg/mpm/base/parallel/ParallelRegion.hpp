@@ -95,7 +95,10 @@ class ParallelRegion {
     // One thread calls f while the others wait.
     template <class F> void once(F&& f) {
 #pragma omp single nowait
-        guard(0, f);
+        {
+            const ThreadClock::Adding time(&ThreadClock::alone);
+            guard(0, f);
+        }
         wait();
     }
 

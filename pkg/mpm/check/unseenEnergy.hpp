@@ -13,7 +13,7 @@ template <int Dim> class PresentSums {
   public:
     explicit PresentSums(Scene<Dim>& scene) : scene_(scene), mirrors_(scene.mirrors) {
         for (const auto& field : scene.grid.fields) kept_.push_back({field.sum, field.extents});
-        parallel(1, [&](ParallelRegion& region) {
+        parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 if (!scene.located) body->domains->locate(region);
         });
@@ -25,7 +25,7 @@ template <int Dim> class PresentSums {
         for (auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(field, slab, [&](int node) { field.sum[node] = NF::Sum::zero(); });
-        parallel(1, [&](ParallelRegion& region) {
+        parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(),
                                       body->inertiaScale, false);

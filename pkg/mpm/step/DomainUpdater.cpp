@@ -31,6 +31,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             scene.bodies[b]->time = scene.time;
             scene.bodies[b]->step = scene.step;
             work_[b].clear(scene.bodies[b]->particles.size());
+            opens_.resize(std::max(opens_.size(), size_t(chunksOf(scene.bodies[b]->particles.size()))));
             divide(*scene.bodies[b], partitions_[b]);
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
@@ -72,7 +73,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<Partitions> partitions_;
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
-    bool isOpen_ = false;           // whether any particle of the body at hand is
+    std::vector<char> opens_;       // whether a chunk of the body at hand has a particle that stands open
 
     // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
     template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
@@ -228,8 +229,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const int n = body.particles.size();
         double *opening = body.particles.state[body.material->volumeRecord().opening].plane(),
                *share = cells.values();
-        region.once([&] { isOpen_ = std::any_of(opening, opening + n, [](double o) { return o > 0; }); });
-        if (!isOpen_) return false;
+        region.chunks(n, [&](int begin, int end) {
+            opens_[begin / chunkSize] =
+                std::any_of(opening + begin, opening + end, [](double o) { return o > 0; });
+        });
+        if (std::count(opens_.begin(), opens_.begin() + chunksOf(n), 1) == 0) return false;
         region.chunks(n, [&](int begin, int end) {
             for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(opening[p]) : 1.0;
         });

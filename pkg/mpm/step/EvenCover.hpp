@@ -17,17 +17,30 @@ namespace mpm {
 
 class EvenCover {
   public:
-    // Called by one thread, before particles are located.
+    // Called by one thread, before particles are located. Slabs of the grid belong to threads, and a cell sums its
+    // particles in their order.
     template <int Dim> void act(Scene<Dim>& scene) {
         if (scene.step % everySteps != 0) return;
         if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [](auto& body) { return moves(*body); }))
             return;
-        // Of all bodies, whatever their velocity: a cell that a pile fills is no room for soil.
-        cover_.assign(scene.grid.count, 0.0);
-        const auto reach = reachOf(scene);
-        for (const auto& body : scene.bodies) addCover(scene.grid, *body, reach);
-        findExcess(scene.grid);
+        cover_.resize(scene.grid.count);
+        excess_.resize(scene.grid.count);
+        extents_.resize(scene.bodies.size());
+        for (size_t b = 0; b < extents_.size(); ++b)
+            extents_[b].resize(chunksOf(scene.bodies[b]->particles.size()));
+        std::array<Vec<Dim>, 2> reach;
         parallel(scene.threads, [&](ParallelRegion& region) {
+            for (size_t b = 0; b < extents_.size(); ++b)
+                region.chunksNoWait(scene.bodies[b]->particles.size(), [&](int begin, int end) {
+                    extents_[b][begin / chunkSize] = extentOf(scene.grid, *scene.bodies[b], begin, end);
+                });
+            region.wait();
+            region.once([&] {
+                reach = reachOf(scene);
+                divide(scene.grid.slabs());
+            });
+            region.forOwnRange(slabs_, [&](int first, int end) { findCover(scene, reach, first, end); });
+            region.forOwnRange(slabs_, [&](int first, int end) { findExcess(scene.grid, first, end); });
             for (auto& body : scene.bodies)
                 if (moves(*body))
                     region.chunksNoWait(body->particles.size(), [&](int begin, int end) {
@@ -43,19 +56,47 @@ class EvenCover {
 
     template <int Dim> static bool moves(const Body<Dim>& body) { return body.fbar && body.domains->boxes(); }
 
+    // Of a chunk of particles: where they are, and the slabs that their boxes may reach.
+    struct Extent {
+        double low[3], high[3]; // m
+        int firstSlab, lastSlab;
+    };
+    template <int Dim>
+    static Extent extentOf(const Grid<Dim>& grid, const Body<Dim>& body, int begin, int end) {
+        Extent extent;
+        for (int k = 0; k < Dim; ++k) {
+            const double* x = body.particles.position.plane(k);
+            const auto [least, most] = std::minmax_element(x + begin, x + end);
+            extent.low[k] = *least;
+            extent.high[k] = *most;
+        }
+        const auto slab = [&](double x, int beyond) { // no box is larger than a cell
+            return int(std::min(std::max(0.0, grid.inCells(x, Dim - 1) + beyond), grid.slabs() - 1.0));
+        };
+        extent.firstSlab = slab(extent.low[Dim - 1], -1);
+        extent.lastSlab = slab(extent.high[Dim - 1], 1);
+        return extent;
+    }
+    // The slabs among the threads.
+    void divide(int slabs) {
+        std::vector<int> inSlab(slabs, 0);
+        for (const auto& chunks : extents_)
+            for (const Extent& chunk : chunks) ++inSlab[(chunk.firstSlab + chunk.lastSlab) / 2];
+        slabs_.set(slabs, [&](int slab) { return inSlab[slab]; });
+    }
+
     // What is outside of this box does not cover the cells that count: those that particles which move reach, and
     // those beside them.
-    template <int Dim> static std::array<Vec<Dim>, 2> reachOf(const Scene<Dim>& scene) {
+    template <int Dim> std::array<Vec<Dim>, 2> reachOf(const Scene<Dim>& scene) const {
         constexpr int cells = 3;
         const auto& grid = scene.grid;
         Vec<Dim> low = grid.upper, high = grid.lower;
-        for (const auto& body : scene.bodies)
-            for (int k = 0; k < Dim && moves(*body) && body->particles.size() > 0; ++k) {
-                const double* x = body->particles.position.plane(k);
-                const auto [least, most] = std::minmax_element(x, x + body->particles.size());
-                low[k] = std::min(low[k], *least);
-                high[k] = std::max(high[k], *most);
-            }
+        for (size_t b = 0; b < extents_.size(); ++b)
+            for (const Extent& chunk : extents_[b])
+                for (int k = 0; k < Dim && moves(*scene.bodies[b]); ++k) {
+                    low[k] = std::min(low[k], chunk.low[k]);
+                    high[k] = std::max(high[k], chunk.high[k]);
+                }
         for (int k = 0; k < Dim; ++k) {
             const auto line = [&](double x, int beyond) {
                 return grid.line(k, std::clamp(int(grid.inCells(x, k)) + beyond, 0, grid.nodes[k] - 1));
@@ -102,10 +143,25 @@ class EvenCover {
         }
     };
 
+    // In slabs [first, end); of all bodies, whatever their velocity: a cell that a pile fills is no room for soil.
     template <int Dim>
-    void addCover(const Grid<Dim>& grid, const Body<Dim>& body, const std::array<Vec<Dim>, 2>& reach) {
+    void findCover(const Scene<Dim>& scene, const std::array<Vec<Dim>, 2>& reach, int first, int end) {
+        const int size = scene.grid.strides[Dim - 1];
+        std::fill_n(cover_.begin() + first * size, (end - first) * size, 0.0);
+        for (size_t b = 0; b < extents_.size(); ++b)
+            for (int c = 0; c < int(extents_[b].size()); ++c)
+                if (extents_[b][c].lastSlab >= first && extents_[b][c].firstSlab < end)
+                    addCover(scene.grid, *scene.bodies[b], c * chunkSize, reach, first * size, end * size);
+        for (int c = first * size; c < end * size; ++c)
+            if (cover_[c] != 0) cover_[c] /= scene.grid.volume(c);
+    }
+
+    // Of the particles of a chunk in cells [first, end).
+    template <int Dim>
+    void addCover(const Grid<Dim>& grid, const Body<Dim>& body, int begin,
+                  const std::array<Vec<Dim>, 2>& reach, int first, int end) {
         const auto* boxes = body.domains->boxes();
-        for (int p = 0; p < body.particles.size(); ++p) {
+        for (int p = begin; p < std::min(begin + chunkSize, body.particles.size()); ++p) {
             const double volume = body.particles.volume.plane()[p];
             const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
             if (!((x - reach[0]).array() >= 0).all() || !((reach[1] - x).array() >= 0).all()) continue;
@@ -116,19 +172,19 @@ class EvenCover {
                       : Vec<Dim>(Vec<Dim>::Constant(0.5 * (Dim == 2 ? std::sqrt(size) : std::cbrt(size)))
                                      .cwiseMin(0.5 * grid.sizeAt(x)));
             Shares<Dim>(grid, x, half).each(grid, -1, [&](int c, double part, bool) {
-                cover_[c] += part * volume;
+                if (c >= first && c < end) cover_[c] += part * volume;
             });
         }
     }
 
-    template <int Dim> void findExcess(const Grid<Dim>& grid) {
-        for (int c = 0; c < grid.count; ++c)
-            if (cover_[c] != 0) cover_[c] /= grid.volume(c);
-        excess_.assign(grid.count, 0.0);
-        for (int c = 0; c < grid.count; ++c) {
-            if (cover_[c] == 0) continue;
+    // In slabs [first, end).
+    template <int Dim> void findExcess(const Grid<Dim>& grid, int first, int end) {
+        const int size = grid.strides[Dim - 1];
+        for (int c = first * size; c < end * size; ++c) {
             const double excess = cover_[c] - 1;
-            excess_[c] = excess > 0 ? excess : excess * insideBy(grid, c, [&](int n) { return cover_[n]; });
+            excess_[c] = cover_[c] == 0 ? 0
+                         : excess > 0   ? excess
+                                        : excess * insideBy(grid, c, [&](int n) { return cover_[n]; });
         }
     }
 
@@ -163,8 +219,9 @@ class EvenCover {
         }
     }
 
-    std::vector<double> cover_,
-        excess_; // of each cell: volume of the boxes in it, then f; f - 1 or what counts of it
+    std::vector<std::vector<Extent>> extents_; // of the chunks of each body
+    WorkPartition slabs_;
+    std::vector<double> cover_, excess_; // of each cell: f; f - 1 or what counts of it
 };
 
 } // namespace mpm

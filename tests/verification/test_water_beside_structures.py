@@ -167,25 +167,51 @@ def thrown(implicit, threads=1, isWet=True):
     return scene, soil, body
 
 
-def test_a_stiff_wall_much_lighter_than_water_is_at_rest_in_wet_soil():
-    """It feels the water's inertia in the same step; felt a step late, that throws the soil about: 11 m/s."""
-    h, middle = 0.25, 1.25
-    scene = mpm.Scene((0, 0), (2.5, 3), h, gravity=GAMMA)
+def clayBeside(thickness, density, isBeam=False, isWet=True):
+    """A stiff wall, which nothing holds, in clay."""
+    h, middle = 0.25, 1.5
+    scene = mpm.Scene((0, 0), (3, 3), h, gravity=GAMMA)
     scene.fix("bottom")
     scene.roller("left", "right")
     clay = mpm.MohrCoulomb(
         density=2.0, young=1e4, poisson=0.3, cohesion=5, frictionAngle=radians(23), dilatancyAngle=0
     )
-    shape = box((middle - h / 2, 0.5), (middle + h / 2, 3))
-    water = mpm.PoreWater(table=2.5, permeability=1e-7)
-    soil = scene.add("soil", box((0, 0), (2.5, 2.5)) - shape, clay, mpm.UGIMP(), water=water)
-    light = mpm.LinearElastic(density=0.25, young=2e7, poisson=0.2)
-    wall = scene.add("wall", shape, light, mpm.APDI(size=h / 2), implicit=True)
+    water = mpm.PoreWater(table=2.5, permeability=1e-7) if isWet else None
+    shape, young = box((middle - thickness / 2, 0.5), (middle + thickness / 2, 3)), 2e7
+    soil = scene.add("soil", box((0, 0), (3, 2.5)) - shape, clay, mpm.UGIMP(), water=water)
+    if isBeam:
+        section = dict(EI=young * thickness**3 / 12, EA=young * thickness, weight=density * thickness)
+        wall = scene.add("wall", mpm.Beam([(middle, 0.5), (middle, 3)], thickness=thickness, **section))
+    else:
+        steel = mpm.LinearElastic(density=density, young=young, poisson=0.2)
+        wall = scene.add("wall", shape, steel, mpm.APDI(size=h / 2), implicit=True)
     scene.contact(wall, soil, friction=0.3)
     scene.groundStress(K0=0.5, bodies=[soil])
+    return scene, soil, wall, water
+
+
+def test_a_stiff_wall_much_lighter_than_water_is_at_rest_in_wet_soil():
+    """It feels the water's inertia in the same step; felt a step late, that throws the soil about: 11 m/s."""
+    scene, soil, _, water = clayBeside(0.25, 0.25)
     scene.run(steps=120, progress=False)
     assert np.abs(soil.velocity).max() < 0.05
     assert np.abs(water.excess(soil)).max() < 30
+
+
+@pytest.mark.parametrize("isWet", [False, True])
+@pytest.mark.parametrize("density", [0.3, 1.0, 3.6])
+def test_a_beam_of_two_cells_is_at_rest_in_soil_as_a_solid_of_its_mass(isWet, density):
+    """Without mass between its faces soil and water act on nothing there: 12 steps, and a failure."""
+    thrust, speed = [], []
+    for isBeam in (False, True):
+        scene, soil, wall, water = clayBeside(0.5, density, isBeam, isWet)
+        scene.run(steps=1, progress=False)
+        table = next(e for e in scene.engines if isinstance(e, mpm.Contact)).contactTable()
+        thrust.append(np.abs(table["force"]).sum(axis=0)[:2])
+        scene.run(steps=119, progress=False)
+        speed.append(np.abs(soil.velocity).max())
+    assert thrust[1] == pytest.approx(thrust[0], rel=0.02)
+    assert speed[1] < 0.03 and speed[1] < 1.5 * speed[0]
 
 
 def momentum(*bodies):

@@ -31,7 +31,7 @@ template <int Dim> class BoundaryFacets {
                 ++entry.second;
             }
         facets.clear();
-        const Hanging hanging(domains);
+        const Hanging hanging(domains, count);
         for (auto& [key, entry] : count)
             if (entry.second == 1 && !hanging.isInterface(key)) facets.push_back(entry.first);
     }
@@ -44,7 +44,8 @@ template <int Dim> class BoundaryFacets {
         std::map<int, std::vector<int>> masters;
         std::vector<std::vector<int>> coarse;
 
-        explicit Hanging(Domains<Dim>& domains) {
+        // facets: of the domains, by sorted vertices.
+        template <class Facets> Hanging(Domains<Dim>& domains, const Facets& facets) {
             std::vector<int> slaves, all;
             for (auto& [name, table] : domains.tables()) {
                 if (name == "slaves") slaves = *table;
@@ -55,7 +56,10 @@ template <int Dim> class BoundaryFacets {
                 for (int m = 0; m < mastersOfSlave; ++m)
                     if (const int master = all[mastersOfSlave * s + m]; master >= 0) mine.push_back(master);
                 std::sort(mine.begin(), mine.end());
-                if (int(mine.size()) == size) coarse.push_back(mine);
+                if (Facet key; int(mine.size()) == size) {
+                    std::copy(mine.begin(), mine.end(), key.begin());
+                    if (facets.count(key)) coarse.push_back(mine);
+                }
                 masters[slaves[s]] = mine;
             }
             std::sort(coarse.begin(), coarse.end());

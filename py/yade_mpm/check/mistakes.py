@@ -10,7 +10,7 @@ from ..engine.poreWater import PoreWater
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..engine.supports import PointForce, Spring, SurfaceLoad
-from ..material.materials import MaterialPoint, isBeam
+from ..material.materials import MaterialPoint
 from ..material.spatial import largestOf
 from . import limits
 from .touching import contactMistakes
@@ -93,13 +93,6 @@ def _water(scene):
             "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
             'a face water, e.g. drained="bottom", or say permeability=0'
         )
-    for body in (b for b in scene.bodies if b.count and isBeam(b.material) and b.group != wet[0].group):
-        if body.material.thickness > (1 + ROUNDOFF) * min(scene.cell):
-            yield (
-                f"PoreWater: '{body.name}' is a Beam thicker than a cell beside wet soil; the run may fail "
-                "within a few steps, for nothing between its faces resists the water; give a mesh with "
-                "LinearElastic, implicit=True"
-            )
     speed = np.sqrt(water.bulkModulus / water.density)
     if speed > FASTEST:
         yield (

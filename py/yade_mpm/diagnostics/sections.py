@@ -199,8 +199,10 @@ def alongBeam(body, axis, at):
 
 def _sectionsOf(body, vertices):
     """Middles of the cross-sections of a `Beam` in their order, m (N, 2); of a ring the first one again."""
-    count = (max(body._core.tables()["masters"]) + 1) // 2  # see Beam.hpp
-    middle = (vertices[:count] + vertices[count : 2 * count]) / 2
+    tables = body._core.tables()
+    perSection = tables["masters"][1] - tables["masters"][0]  # see Beam.hpp
+    faces = vertices[: tables["slaves"][0]].reshape(-1, perSection, 2)[:, [0, -1]]
+    middle = faces.mean(axis=1)
     isClosed = np.count_nonzero(body.cells == 0) == 2
     return np.concatenate((middle, middle[:1])) if isClosed else middle
 

@@ -74,7 +74,7 @@ def boundaryFacets(mesh):
 def _isInterface(mesh, facets):
     """Which facets lie where a coarse cell meets fine ones.
 
-    The vertices of such a facet are, or hang on, exactly the corners of one coarse facet.
+    The vertices of such a facet are, or hang on, exactly the corners of one coarse facet among them.
     """
     corners = 2 ** (mesh.dim - 1)
     isFull = np.sum(mesh.masters >= 0, axis=1) == corners
@@ -87,6 +87,7 @@ def _isInterface(mesh, facets):
     hasRightCount = np.sum(~isRepeat, axis=1) == corners
     carriers = carriers[~isRepeat & hasRightCount[:, None]].reshape(-1, corners)
     coarse = {tuple(row) for row in np.sort(mesh.masters[isFull, :corners], axis=1)}
+    coarse &= {tuple(row) for row in np.sort(facets, axis=1)}
     isInterface = np.zeros(len(facets), bool)
     isInterface[hasRightCount] = [tuple(row) in coarse for row in carriers]
     return isInterface

@@ -13,10 +13,12 @@ from ..geometry.regions import polygon
 from ..material.materials import classes as materials
 from ..particle.types import classes as types
 
-ALONG = 2  # domains between two sections
+ALONG = 2  # domains between two sections, as in Beam.hpp
 PER_CELL = (
     2  # domains across a cell, as of other meshes: soil has to find vertices on the faces and at the ends
 )
+SAMPLES, SLACK = 4096, 1e-6  # of the cells along a piece of the line; round-off of lengths
+MISSED = 0.01  # cells that samples may miss along a piece
 SHARPEST = np.radians(90)  # turn of the line at a point, from which on sections would cross
 
 
@@ -41,7 +43,7 @@ class Beam:
     thickness : m, of its mesh, for contact: two cells or more where soil is on both sides.
     GA : kN/m, shear stiffness; default None: no shear strain.
     limitMoment : kN m/m, moment at which a plastic hinge turns; default None: elastic.
-    size : m, between cross-sections, a cell or more; default: a cell.
+    size : m, between cross-sections, one to two cells; default: a cell.
 
     `region` is the place that it takes. Its mass is spread over the thickness of the mesh.
     """
@@ -94,7 +96,7 @@ class Beam:
             )
         points = self._divided(scene, name)
         faces = _faces(points, self.thickness, self.isClosed)
-        cell = float(np.min(scene.cellSizeAt(self.line)))
+        cell = float(np.min(scene.cellSizeAt(points)))
         mesh = _mesh(*faces, self.isClosed, max(1, round(PER_CELL * self.thickness / cell)))
         material = materials["BeamSection"](
             density=self.weight / self.thickness, thickness=self.thickness, **self._section
@@ -102,70 +104,58 @@ class Beam:
         return mesh, material, types["APDI"](hourglass=0)
 
     def _divided(self, scene, name):
-        """Points of the line at the ends of the domains."""
-        cell = float(np.max(scene.cellSizeAt(self.line)))
-        size, slack = self.size or cell, 1e-6 * cell
+        """Points of the line at the ends of the domains, a cell of the grid there apart or a little more."""
         parts = [self.line[:1]]
         for start, end in zip(self.line[:-1], self.line[1:]):
-            length = np.linalg.norm(end - start)
-            if min(length, size) < cell - slack:
-                raise ValueError(
-                    f"body '{name}': domains of a Beam near {placeText(start)} are {min(length, size):.4g} m "
-                    f"long, less than a cell of {cell:g} m, which makes it too stiff; give a larger size, "
-                    "points farther apart, or smaller cells"
-                )
-            n = max(1, int(length / size + 1e-6))
-            parts.append(start + (end - start) * (np.arange(1, n + 1) / n)[:, None])
+            length, part = np.linalg.norm(end - start), np.linspace(0, 1, SAMPLES + 1)
+            middle = start + (end - start) * ((part[1:] + part[:-1]) / 2)[:, None]
+            cells = scene.cellSizeAt(middle).max(axis=1)
+            self._checkSize(name, start, length, cells.min(), cells.max())
+            passed = np.cumsum([0, *(length / SAMPLES / (self.size or cells) * np.ones(SAMPLES))])
+            n = max(1, int(passed[-1] + MISSED))
+            at = np.interp(np.arange(1, n + 1) / n * passed[-1], passed, part)
+            parts.append(start + (end - start) * at[:, None])
         return np.concatenate(parts)
+
+    def _checkSize(self, name, start, length, least, most):
+        size = self.size or most
+        if min(length, size) < (1 - SLACK) * most:
+            raise ValueError(
+                f"body '{name}': domains of a Beam near {placeText(start)} are {min(length, size):.4g} m "
+                f"long, less than a cell of {most:g} m, which makes it too stiff; give a larger size, "
+                "points farther apart, or smaller cells"
+            )
+        if self.size and size > (2 - SLACK) * least:
+            raise ValueError(
+                f"body '{name}': size = {size:g} m of a Beam near {placeText(start)} is two cells of "
+                f"{least:g} m or more, and nodes between its sections have no mass; leave size out"
+            )
 
 
 def _mesh(right, left, isClosed, across):
-    """A mesh between two faces, each piece cut in two along it and some across; the vertices that are not on
-    the faces of sections hang on these, but for those inside of the ends (BeamEnds.hpp)."""
-    count = len(right) - isClosed
-    points, cells = [*right[:count], *left[:count]], []
-    slaves, masters, shares, inside = (
-        [],
-        [],
-        [],
-        {},
-    )  # inside: row of vertices of a section that two elements share
-
-    def hang(corner, weights, isAtEnd):
-        points.append(weights @ np.array([points[v] for v in np.where(corner < 0, 0, corner)]))
-        if not isAtEnd:
-            slaves.append(len(points) - 1)
-            masters.append(corner)
-            shares.append(weights)
-        return len(points) - 1
-
-    def row(corner, x):  # of vertices across an element, x: part of the way along it
-        a, b, c, d = corner
-        section = {0: (a, d), ALONG: (b, c)}.get(x)
-        isShared = section is not None and (isClosed or 0 < section[0] < count - 1)
-        if isShared and section in inside:
-            return inside[section]
-        part, y = x / ALONG, np.arange(across + 1) / across
-        weights = np.stack([(1 - part) * (1 - y), part * (1 - y), part * y, (1 - part) * y], axis=1)
-        on = corner
-        if isShared:
-            on = np.array([*section, -1, -1])
-            weights = np.stack([1 - y, y, 0 * y, 0 * y], axis=1)
-        ends = section or (None, None)
-        made = [ends[0], *[None] * (across - 1), ends[1]]
-        isAtEnd = section is not None and not isShared
-        made = [hang(on, w, isAtEnd) if v is None else v for v, w in zip(made, weights)]
-        if isShared:
-            inside[section] = made
-        return made
-
-    for start in range(len(right) - 1):
-        end = (start + 1) % count
-        rows = [row(np.array([start, end, count + end, count + start]), x) for x in range(ALONG + 1)]
-        for one, two in zip(rows, rows[1:]):
-            cells += [(one[j], two[j], two[j + 1], one[j + 1]) for j in range(across)]
-    hanging = np.reshape(masters, (-1, 4)).astype(int), np.reshape(shares, (-1, 4)).astype(float)
-    return Mesh(np.array(points), np.array(cells), np.array(slaves, int), *hanging)
+    """A mesh between two faces: the vertices of each section from its right face to its left one, then those
+    between two sections, which hang on these (Beam.hpp)."""
+    count, pieces = len(right) - isClosed, len(right) - 1
+    y = np.linspace(0, 1, across + 1)[:, None]
+    sections = (1 - y) * right[:count, None] + y * left[:count, None]
+    vertex = np.arange(count * (across + 1)).reshape(count, across + 1)
+    start, end = vertex[:pieces], vertex[np.arange(1, pieces + 1) % count]
+    part = np.arange(1, ALONG)[:, None] / ALONG
+    hanging = vertex.size + np.arange(pieces * (ALONG - 1) * (across + 1)).reshape(pieces, ALONG - 1, -1)
+    masters, weights = np.full((*hanging.shape, 4), -1), np.zeros((*hanging.shape, 4))
+    masters[..., 0], masters[..., 1] = start[:, None], end[:, None]
+    weights[..., 0], weights[..., 1] = 1 - part, part
+    points = sections.reshape(-1, 2)
+    between = (weights[..., :2, None] * points[masters[..., :2]]).sum(axis=-2)
+    rows = np.concatenate((start[:, None], hanging, end[:, None]), axis=1)
+    cells = np.stack((rows[:, :-1, :-1], rows[:, 1:, :-1], rows[:, 1:, 1:], rows[:, :-1, 1:]), axis=-1)
+    return Mesh(
+        np.concatenate((points, between.reshape(-1, 2))),
+        cells.reshape(-1, 4),
+        hanging.ravel(),
+        masters.reshape(-1, 4),
+        weights.reshape(-1, 4),
+    )
 
 
 def _checkLine(line):

@@ -162,19 +162,3 @@ def test_a_history_has_the_flow_and_the_iterations():
     assert history["water.inflow"][-1] == water.inflow != 0
     assert history["water.iterations"][-1] == water.iterations > 0
     assert history.units["water.outflow"] == "m3/s/m"
-
-
-@pytest.mark.parametrize("thickness, isTold", [(0.5, True), (0.25, False)])
-def test_a_beam_thicker_than_a_cell_in_wet_soil_is_told(thickness, isTold):
-    """Between its faces nothing resists the water: runs failed within 12 steps."""
-    scene = mpm.Scene((0, 0), (2, 1.5), 0.25, gravity=9.81)
-    scene.fix("bottom")
-    scene.roller("left", "right")
-    sheet = mpm.Beam([(1, 0.5), (1, 1.25)], EI=1e3, EA=1e5, weight=0.1, thickness=thickness)
-    around = box((0, 0), (2, 1)) - sheet.region
-    soil = scene.add("soil", around, mpm.MohrCoulomb(**LAW), mpm.UGIMP(), water=mpm.PoreWater(table=1.0))
-    scene.contact(scene.add("sheet", sheet), soil)
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
-        scene.run(steps=1, progress=False)
-    assert any("'sheet' is a Beam thicker than a cell" in str(w.message) for w in found) == isTold

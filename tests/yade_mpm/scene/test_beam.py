@@ -117,6 +117,14 @@ def test_a_section_is_a_parameter_of_a_study():
     assert moved[1] > 2 * moved[0]
 
 
+def test_sections_are_as_far_apart_as_the_lines_of_a_graded_grid():
+    lines = np.concatenate((np.arange(0, 2, 0.25), np.arange(2, 6.01, 0.5)))
+    made = mpm.Scene((0, 0), (4, 6), grading=(np.arange(0, 4.01, 0.25), lines))
+    wall = made.add("wall", mpm.Beam([(2, 0), (2, 6)], **SECTION))
+    found = mpm.sectionForces(wall).s
+    assert found == pytest.approx(lines, abs=0.02)
+
+
 def beam(line=LINE, **options):
     return mpm.Beam(line, **{**SECTION, **options})
 
@@ -135,6 +143,7 @@ def add(*beside, dim=2, size=None, **options):
     ("Beam: thickness = 0", lambda: beam(thickness=0)),
     ("Beam: limitMoment = 'large'", lambda: beam(limitMoment="large")),
     ("body 'wall': domains of a Beam ... 0.2 m long", lambda: add(size=0.2)),
+    ("body 'wall': size = 0.5 m of a Beam ... two cells of 0.25 m or more", lambda: add(size=0.5)),
     ("body 'wall': material is given, and a Beam has it", lambda: add(elastic())),
     ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),
     ("body 'wall': fbar is given", lambda: add(fbar=True)),

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A mesh that resists like a beam: elements between cross-sections, with the state of their material
-// (material/BeamSection.cpp). The vertices are first those on the right faces of the sections, along the line, then
-// those on the left ones; all others hang on the four of an element, whose domains follow each other, but for those
-// inside of the ends (BeamEnds.hpp).
+// (material/BeamSection.cpp). The vertices are first those of the sections, along the line, each from its right face to
+// its left one (BeamTies.hpp). All others hang on those of the sections before and behind them. The domains of an
+// element follow each other, row by row across it.
 #pragma once
 
 #include "mpm/particle/apdi/BeamElement.hpp"
-#include "mpm/particle/apdi/BeamEnds.hpp"
+#include "mpm/particle/apdi/BeamTies.hpp"
 #include "mpm/state/Particles.hpp"
 
 #include <vector>
@@ -16,33 +16,42 @@ namespace mpm {
 class Beam {
   public:
     using Vertices = std::array<int, 4>;
+    static constexpr int along = 2; // domains between two sections
 
     bool isHere() const { return !parts_.empty(); }
 
     void restored(const DomainMesh<2>& mesh, const Particles<2>& particles, const SectionStiffness& section,
                   bool isRound) {
         parts_.clear();
-        ends_.clear();
-        const std::vector<int>& masters = mesh.vertices.hanging.masters;
-        const int sections =
-            masters.empty() ? 0 : (*std::max_element(masters.begin(), masters.end()) + 1) / 2;
-        for (int p = 0; p < mesh.domains(); ++p) {
-            const Vertices corner = sectionsOf(mesh, p, sections);
-            if (parts_.empty() || parts_.back().corner != corner)
-                parts_.push_back(
-                    {BeamElement(at(mesh.vertices.reference, corner), section, isRound), corner, p});
-            parts_.back().end = p + 1;
-            ends_.find(mesh, p, 2 * sections, corner, parts_.back().element.stiffnessAtEnd());
+        ties_.clear();
+        const HangingVertices& hanging = mesh.vertices.hanging;
+        if (hanging.count() == 0) return;
+        const int perSection = hanging.masters[1] - hanging.masters[0], across = perSection - 1;
+        const int sections = perSection > 1 ? hanging.slaves[0] / perSection : 0;
+        const int elements = perSection > 1 ? mesh.domains() / (along * across) : 0;
+        require(sections > 1 && (elements == sections - 1 || elements == sections) &&
+                    elements * along * across == mesh.domains(),
+                "Beam: its mesh is not one of domains between cross-sections; make it by mpm.Beam");
+        for (int e = 0; e < elements; ++e) {
+            const int start = perSection * e, end = perSection * ((e + 1) % sections);
+            const Vertices corner = {start, end, end + across, start + across};
+            const int first = along * across * e, last = first + (along - 1) * across;
+            parts_.push_back({BeamElement(at(mesh.vertices.reference, corner), section, isRound), corner,
+                              first, last + across});
+            const double k = parts_.back().element.stiffnessAtEnd();
+            for (int i = 1; i < across; ++i)
+                ties_.add({first + i, start + i, start, start + across, double(i) / across, k});
+            for (int i = 1; i < across && e == sections - 2 && elements < sections; ++i)
+                ties_.add({last + i, end + i, end, end + across, double(i) / across, k});
         }
-        ends_.found();
         energy_ = energyOf(mesh, particles);
     }
 
-    const BeamEnds& ends() const { return ends_; }
+    const BeamTies& ties() const { return ties_; }
 
     // Forces of the elements on the vertices, kN.
     void addForces(const DomainMesh<2>& mesh, const Particles<2>& particles, double* const force[2]) const {
-        ends_.addForces(mesh, force);
+        ties_.addForces(mesh, force);
         for (const Part& part : parts_) {
             const auto s = strained(mesh, particles, part);
             for (int r = 0; r < BeamElement::rows; ++r)
@@ -101,10 +110,10 @@ class Beam {
     struct Part {
         BeamElement element;
         Vertices corner;
-        int first, end = 0; // of its domains
+        int first, end; // of its domains
     };
     std::vector<Part> parts_;
-    BeamEnds ends_;
+    BeamTies ties_;
     double energy_ = 0; // elastic, kJ
 
     static Corners<2> at(const Field& positions, const Vertices& corner) {
@@ -112,22 +121,6 @@ class Beam {
         for (int a = 0; a < 4; ++a)
             for (int k = 0; k < 2; ++k) x(k, a) = positions.plane(k)[corner[a]];
         return x;
-    }
-
-    // The vertices of the element that domain p belongs to.
-    static Vertices sectionsOf(const DomainMesh<2>& mesh, int p, int sections) {
-        std::vector<int> found;
-        for (int a = 0; a < 4; ++a)
-            mesh.vertices.hanging.through(mesh.corner[4 * p + a], [&](int v, double) {
-                if (v < 2 * sections) found.push_back(v);
-            });
-        std::sort(found.begin(), found.end());
-        found.erase(std::unique(found.begin(), found.end()), found.end());
-        require(found.size() == 4 && found[1] < sections && found[2] >= sections, "Beam: domain ", p,
-                " is not between two cross-sections; make the mesh by mpm.Beam");
-        int start = found[0], end = found[1];
-        if (end - start != 1) std::swap(start, end); // where a ring closes
-        return {start, end, sections + end, sections + start};
     }
 
     BeamElement::Strained strained(const DomainMesh<2>& mesh, const Particles<2>& particles,
@@ -138,7 +131,7 @@ class Beam {
     }
 
     double energyOf(const DomainMesh<2>& mesh, const Particles<2>& particles) const {
-        double sum = ends_.energy(mesh);
+        double sum = ties_.energy(mesh);
         for (const Part& part : parts_) sum += part.element.energy(strained(mesh, particles, part));
         return sum;
     }

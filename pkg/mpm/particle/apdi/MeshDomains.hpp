@@ -120,7 +120,7 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
                               [&](const auto& element, const auto& vertices, const auto& s) {
                                   count = addRows(element, vertices, s, each, rows);
                               });
-                beam_.ends().ifTied(p, [&](const auto& tie) { count = addRows(tie, each, rows); });
+                beam_.ties().ifTied(p, [&](const auto& tie) { count = addRows(tie, each, rows); });
             }
             return count;
         }
@@ -180,9 +180,9 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     }
 
     // A row for each axis; a domain with a tie is not the first of an element.
-    int addRows(const BeamEnds::Tie& tie, const typename Mesh<Dim>::EachRow& each,
+    int addRows(const BeamTies::Tie& tie, const typename Mesh<Dim>::EachRow& each,
                 typename Mesh<Dim>::Rows& rows) const {
-        const Vec<2> gap = BeamEnds::gap(mesh_, tie);
+        const Vec<2> gap = BeamTies::gap(mesh_, tie);
         for (int k = 0; k < Dim; ++k) {
             rows.stiffness[k] = tie.k;
             rows.force[k] = tie.k * gap[k];

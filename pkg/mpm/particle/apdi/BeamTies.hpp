@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The ends of a beam: the vertices between both faces stand by themselves, so that the nodes there have mass, and soil
-// finds the end. Springs k hold them on the line between the faces,
+// The vertices of a beam between its faces stand by themselves: what follows others gives no mass to the nodes round it,
+// and soil or water would find nothing there. Springs k hold them on the line between the faces,
 //     U = 1/2 k |g|^2,  g = x_v - (1 - y) x_right - y x_left.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace mpm {
 
-class BeamEnds {
+class BeamTies {
   public:
     struct Tie {
         int domain, vertex;                                            // one of a domain
@@ -20,29 +20,8 @@ class BeamEnds {
     };
 
     void clear() { ties_.clear(); }
-    // Vertices of domain p from `first` on that stand by themselves, between the ends of its section.
-    void find(const DomainMesh<2>& mesh, int p, int first, const std::array<int, 4>& corner, double k) {
-        for (int a = 0; a < 4; ++a) {
-            const int v = mesh.corner[4 * p + a];
-            if (v < first || mesh.vertices.hanging.isSlave(v)) continue;
-            const auto known =
-                std::find_if(ties_.begin(), ties_.end(), [&](const Tie& t) { return t.vertex == v; });
-            if (known != ties_.end()) {
-                known->domain = p;
-                continue;
-            }
-            const auto at = [&](int vertex) { return vectorAt<2>(mesh.vertices.reference, vertex); };
-            for (auto [right, left] : {std::pair{corner[0], corner[3]}, std::pair{corner[1], corner[2]}}) {
-                const Vec<2> across = at(left) - at(right), d = at(v) - at(right);
-                const double y = d.dot(across) / across.squaredNorm();
-                if ((d - y * across).norm() < onLine * across.norm())
-                    ties_.push_back({p, v, right, left, y, k});
-            }
-        }
-    }
-    void found() {
-        std::sort(ties_.begin(), ties_.end(), [](const Tie& a, const Tie& b) { return a.domain < b.domain; });
-    }
+    // In the order of their domains.
+    void add(const Tie& tie) { ties_.push_back(tie); }
 
     static Vec<2> gap(const DomainMesh<2>& mesh, const Tie& tie) {
         const auto at = [&](int vertex) { return vectorAt<2>(mesh.vertices.position, vertex); };
@@ -71,7 +50,6 @@ class BeamEnds {
     }
 
   private:
-    static constexpr double onLine = 1e-6; // of the thickness: round-off
     std::vector<Tie> ties_;
 };
 

@@ -173,7 +173,7 @@ def _overburden(scene, ground, gravity):
     """Weight of what stands straight above each particle over the area of its strip in plan, kPa: (N,) for
     each body. Domains count in the strips of half a cell that they reach, by their part in them."""
     width = 0.5 * scene.cell[:-1]
-    pieces = [_pieces(scene, body, width, gravity) for body in scene.bodies if body.count]
+    pieces = [_pieces(scene, body, width, gravity, body in ground) for body in scene.bodies if body.count]
     strip, low, high, weight = (np.concatenate(x) for x in zip(*pieces))
     order = np.argsort(strip, kind="stable")
     strip, low, high, weight = strip[order], low[order], high[order], weight[order]
@@ -198,8 +198,9 @@ def _stripOf(scene, plan, width):
     return index[:, 0] if len(width) == 1 else index[:, 0] + counts[0] * index[:, 1]
 
 
-def _pieces(scene, body, width, gravity):
-    """Strip, lower and upper end (m) and weight (kN) of the parts of domains in strips."""
+def _pieces(scene, body, width, gravity, isGround):
+    """Strip, lower and upper end (m) and weight (kN) of the parts of domains in strips. A structure that
+    floats does not pull the ground below it."""
     corners = body.corners()
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     first = np.floor((lower[:, :-1] - scene.lower[:-1]) / width + 1e-9).astype(int)
@@ -213,7 +214,10 @@ def _pieces(scene, body, width, gravity):
         some = part > 0
         strip = _stripOf(scene, left[some] + 0.5 * width, width)
         found.append((strip, lower[some, -1], upper[some, -1], gravity * (part * mass)[some]))
-    return [np.concatenate(x) for x in zip(*found)]
+    strip, lower, upper, weight = (np.concatenate(x) for x in zip(*found))
+    if not isGround:
+        weight = np.where(np.bincount(strip, weight)[strip] > 0, weight, 0.0)
+    return strip, lower, upper, weight
 
 
 def _outOfBalance(scene, ground, gravity):

@@ -78,6 +78,27 @@ def test_below_the_water_the_buoyant_weight_counts_and_the_ground_rests():
     assert np.abs(lower.displacement).max() < 1e-5
 
 
+@pytest.mark.parametrize("weight, isFloating", [(0.118, True), (1.8, False)])
+def test_a_sheet_pile_that_floats_does_not_pull_the_ground_below_it(weight, isFloating):
+    """Drawn 0.5 m thick it displaces 0.5 Mg/m2 of water: contact gives the ground no tension."""
+    scene = mpm.Scene((0, 0), (3, 3), 0.25, threads=1, gravity=G)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    sheet = mpm.Beam([(1.5, 0.5), (1.5, 3)], EI=7e4, EA=3e6, weight=weight, thickness=0.5)
+    water = mpm.PoreWater(table=2.5)
+    soil = scene.add("soil", mpm.box((0, 0), (3, 2.5)) - sheet.region, sand(2.0), mpm.UGIMP(), water=water)
+    scene.contact(scene.add("sheet", sheet), soil)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the horizontal forces at the toe
+        scene.groundStress(K0=0.5, bodies=[soil])
+    x, y = soil.position.T
+    isBelow = (np.abs(x - 1.5) < 0.25) & (y < 0.5)
+    standing = G * (weight * 2.5 - 1.0 * 0.5 * 2.0) / 0.5
+    assert (standing < 0) == isFloating
+    exact = G * (2.0 - 1.0) * (0.5 - y[isBelow]) + max(standing, 0)
+    assert -soil.stress[isBelow, 1, 1] == pytest.approx(exact, abs=1e-6)
+
+
 def test_a_refused_weight_changes_no_mass():
     scene, lower, upper = layers()
     before = lower.mass.copy()

@@ -11,7 +11,7 @@ std::vector<Parameter> Softening::parameters() {
          &strain, Range::positive()},
         {"bandWidth", "m",
          "width of the shear band that softeningStrain is of: the law multiplies it by bandWidth over the cell, "
-         "which is the width of a band in a run; not given: by 1",
+         "the width of a band that slips alone (not so under footings and in slopes); not given: by 1",
          &bandWidth, Range::positive()}};
 }
 

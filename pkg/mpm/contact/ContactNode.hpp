@@ -71,18 +71,16 @@ template <int Dim> struct SiteNodes {
     const double* S[2];
 };
 
-// A vertex of a mesh at the surface of the other group, between nodes that both move. Where shared cells hold surfaces
-// together across a gap, and at walls that part soil, each group has the hat functions where its own surface is: nodes that a surface hardly reaches
-// are light, and at the vertex they would take any velocity and nothing would be held.
+// A vertex of a mesh at the surface of the other group, between nodes that both move. Each group has the hat functions
+// where its own surface is: nodes that a surface hardly reaches are light, and at the vertex they would take any
+// velocity and nothing would be held.
 template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {
     int side = 0, body = -1, vertex = -1; // the group whose mesh it belongs to, that body, and its vertex
     Vec<Dim> position = Vec<Dim>::Zero();
     double otherS[SurroundingNodes<Dim>::size]; // of the other group
-    bool isAtWall = false;                      // that parts soil
 
     SiteNodes<Dim> sites() const {
-        const double* other = isAtWall || this->carried > 0 ? otherS : this->S;
-        return {this->size, this->contact, {side == 0 ? this->S : other, side == 0 ? other : this->S}};
+        return {this->size, this->contact, {side == 0 ? this->S : otherS, side == 0 ? otherS : this->S}};
     }
 };
 

@@ -241,7 +241,6 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
             point.body = vertices[side].bodyAt(v);
             point.vertex = own.number;
             point.position = own.position;
-            point.isAtWall = pair.scene->parted.partnerOf(pair.field[1 - side]) >= 0;
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
             weighOther(pair.grid(), point);

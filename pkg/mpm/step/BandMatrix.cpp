@@ -38,26 +38,9 @@ void BandMatrix::reset(int size, int band) {
     values_.assign(size_t(size) * stride_ + stride_, 0.0);
 }
 
-void BandMatrix::setScaled(const BandMatrix& other, double scale) {
-    size_ = other.size_;
-    band_ = other.band_;
-    stride_ = other.stride_;
-    values_.resize(other.values_.size());
-    for (size_t i = 0; i < values_.size(); ++i) values_[i] = scale * other.values_[i];
-}
-
 void BandMatrix::decouple(int unknown) {
     for (int j = std::max(0, unknown - band_); j < unknown; ++j) at(unknown, j) = 0;
     std::fill(column(unknown) + 1, column(unknown) + band_ + 1, 0.0);
-}
-
-void BandMatrix::multiply(const double* x, double* y) const {
-    std::fill(y, y + padded(), 0.0);
-    for (int j = 0; j < size_; ++j) {
-        const double* c = column(j);
-        y[j] += c[0] * x[j] + dot(c + 1, x + j + 1, band_);
-        add(x[j], c + 1, y + j + 1, band_);
-    }
 }
 
 bool BandMatrix::factorise() {
@@ -122,14 +105,17 @@ double BandMatrix::substituted(int j, const double* x) const {
     return -dot(c + 1, x + j + 1, band_) * c[0];
 }
 
+void BandMatrix::invertNearDiagonal(int first, int reach, std::vector<double>& inverse) const {
+    inverse.assign(std::size_t(size_ - first + reach) * reach + lanes, 0.0);
+    band_ > narrow ? invertBlocks(first, reach, inverse.data()) : invertColumns(first, reach, inverse.data());
+}
+
 // Back substitution of L^T Z = L^-1, whose right side has no entries above the diagonal: each row of Z follows from
 // the next ones, of which those below the diagonal are known by symmetry (Takahashi, Fagan & Chin 1973).
-void BandMatrix::invertNearDiagonal(int first, int reach, std::vector<double>& inverse) const {
-    const int n = size_ - first;
-    inverse.assign(std::size_t(n + reach) * reach + lanes, 0.0);
-    const auto row = [&](int i) { return inverse.data() + std::size_t(i) * reach; };
+void BandMatrix::invertColumns(int first, int reach, double* inverse) const {
+    const auto row = [&](int i) { return inverse + std::size_t(i) * reach; };
     std::vector<double> own(roundedUp(reach) + lanes);
-    for (int i = n - 1; i >= 0; --i) {
+    for (int i = size_ - first - 1; i >= 0; --i) {
         const double* c = column(first + i);
         std::fill(own.begin(), own.end(), 0.0);
         for (int k = 1; k <= band_; ++k) add(c[k], row(i + k), own.data() + k, reach - k);
@@ -137,6 +123,42 @@ void BandMatrix::invertNearDiagonal(int first, int reach, std::vector<double>& i
         for (int d = 1; d < reach; ++d) own[d] *= -c[0];
         own[0] = c[0] * (overUnit_ * c[0] - dot(c + 1, own.data() + 1, band_));
         std::copy_n(own.begin(), reach, row(i));
+    }
+}
+
+// The same for some columns J at a time, R the rows below them and Y = L_RJ L_JJ^-1:
+//     Z_RJ = -Z_RR Y,  Z_JJ = L_JJ^-T L_JJ^-1 - Y^T Z_RJ.
+// In the storage of the inverse, too, rows and columns next to the diagonal are a dense matrix. Only products of which
+// one side is symmetric or triangular: in others Eigen starts threads of its own.
+void BandMatrix::invertBlocks(int first, int reach, double* inverse) const {
+    using Stride = Eigen::OuterStride<>;
+    const auto part = [&](const double* begin, int rows, int columns, int stride) {
+        return Eigen::Map<const Eigen::MatrixXd, 0, Stride>(begin, rows, columns, Stride(stride));
+    };
+    Eigen::MatrixXd L, Y, below, diagonal;
+    for (int end = size_; end > first; end -= block) {
+        const int j = std::max(first, end - block), columns = end - j;
+        const int rows = std::min(band_, size_ - end), all = std::min(reach - 1, size_ - end);
+        L = part(column(j), columns, columns, stride_ - 1);
+        L.diagonal() = L.diagonal().cwiseInverse().eval();
+        const auto lower = L.triangularView<Eigen::Lower>();
+        diagonal.setIdentity(columns, columns);
+        lower.solveInPlace(diagonal);
+        L.transpose().triangularView<Eigen::Upper>().solveInPlace(diagonal);
+        diagonal *= overUnit_;
+        Y.setZero(all, columns);
+        Y.topRows(rows) = part(column(j) + columns, rows, columns, stride_ - 1);
+        lower.solveInPlace<Eigen::OnTheRight>(Y);
+        const double* known = inverse + std::size_t(end - first) * reach;
+        below.setZero(all, columns);
+        below.noalias() -= part(known, all, all, reach - 1).selfadjointView<Eigen::Lower>() * Y;
+        diagonal.triangularView<Eigen::Lower>() -= Y.transpose() * below;
+        for (int c = 0; c < columns; ++c) {
+            double* const to = inverse + std::size_t(j + c - first) * reach;
+            const int own = std::min(columns - c, reach);
+            std::copy_n(&diagonal(c, c), own, to);
+            std::copy_n(below.data() + std::size_t(c) * all, std::min(all, reach - own), to + own);
+        }
     }
 }
 

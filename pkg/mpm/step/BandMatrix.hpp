@@ -24,10 +24,6 @@ class BandMatrix {
     double& at(int row, int column) { return values_[std::size_t(column) * stride_ + (row - column)]; }
     double at(int row, int column) const { return values_[std::size_t(column) * stride_ + (row - column)]; }
 
-    void multiply(const double* x, double* y) const; // y = this x
-
-    // this = scale * other.
-    void setScaled(const BandMatrix& other, double scale);
     // Row and column keep the diagonal alone.
     void decouple(int unknown);
 
@@ -55,6 +51,8 @@ class BandMatrix {
     const double* column(int j) const { return values_.data() + std::size_t(j) * stride_; }
     bool factoriseColumns();
     bool factoriseBlocks();
+    void invertColumns(int first, int reach, double* inverse) const;
+    void invertBlocks(int first, int reach, double* inverse) const;
 };
 
 } // namespace mpm

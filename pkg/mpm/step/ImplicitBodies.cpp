@@ -42,6 +42,7 @@ template <int Dim> void ImplicitBodies::clear(const Scene<Dim>& scene, State<Dim
     for (auto& owner : state.owner) owner.resize(scene.grid.count, -1);
     for (auto& system : state.systems)
         for (int node : system.nodes) state.owner[system.field][node] = -1;
+    state.spare.swap(state.systems); // for their memory
     state.systems.clear();
 }
 
@@ -72,17 +73,22 @@ template <int Dim> std::vector<int> ImplicitBodies::groups(int fields, State<Dim
 // The system of some pieces of bodies, which move with one velocity field.
 template <int Dim>
 void ImplicitBodies::addSystem(const Grid<Dim>& grid, int field,
-                               const std::vector<const StrainedNodes<Dim>*>& members, State<Dim>& state) {
-    ImplicitSystem<Dim>& system = state.systems.emplace_back(field);
-    for (const auto* member : members)
+                               const std::vector<StrainedNodes<Dim>*>& members, State<Dim>& state) {
+    const size_t number = state.systems.size();
+    ImplicitSystem<Dim>& system = state.systems.emplace_back();
+    if (number < state.spare.size()) system = std::move(state.spare[number]);
+    system.reset(field);
+    for (auto* member : members) {
+        system.addMember(*member);
         for (const auto& entry : member->entries)
             if (state.scratch[entry.node] < 0) {
                 state.scratch[entry.node] = 0;
                 system.nodes.push_back(entry.node);
             }
+    }
     system.sortNodes(grid);
-    withNumbers(state, system, [&] { system.assemble(members, state.scratch); });
-    for (int node : system.nodes) state.owner[field][node] = int(state.systems.size()) - 1;
+    withNumbers(state, system, [&] { system.place(state.scratch); });
+    for (int node : system.nodes) state.owner[field][node] = int(number);
 }
 
 // f() while scratch has the numbers of the nodes of a system.
@@ -128,7 +134,7 @@ void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, d
 // What shares a node belongs to one system.
 template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
     const std::vector<int> group = groups(int(scene.grid.fields.size()), state);
-    std::vector<std::vector<const StrainedNodes<Dim>*>> members(group.size());
+    std::vector<std::vector<StrainedNodes<Dim>*>> members(group.size());
     for (size_t i = 0; i < group.size(); ++i)
         if (!state.pieces[i].strained.entries.empty()) members[group[i]].push_back(&state.pieces[i].strained);
     for (size_t first = 0; first < group.size(); ++first)

@@ -60,12 +60,12 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     };
     template <int Dim> struct State {
         using Velocity = typename NodalField<Dim>::Velocity;
-        std::vector<Piece<Dim>> pieces; // of all bodies that are implicit
-        std::vector<ImplicitSystem<Dim>> systems;
-        std::vector<RigidRows<Dim>> rigidRows;       // of each velocity field with implicit bodies
-        std::vector<int> scratch;                    // -1 for each node
-        std::vector<std::vector<int>> owner;         // system of each node of a velocity field, -1: none
-        std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field
+        std::vector<Piece<Dim>> pieces;                  // of all bodies that are implicit
+        std::vector<ImplicitSystem<Dim>> systems, spare; // spare: of the step before
+        std::vector<RigidRows<Dim>> rigidRows;           // of each velocity field with implicit bodies
+        std::vector<int> scratch;                        // -1 for each node
+        std::vector<std::vector<int>> owner;             // system of each node of a velocity field, -1: none
+        std::vector<std::vector<Velocity>> velocity;     // of the nodes of each velocity field
     };
     std::tuple<State<2>, State<3>> states_;
 
@@ -78,7 +78,7 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     static void look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least, Piece<Dim>& piece);
     template <int Dim> std::vector<int> groups(int fields, State<Dim>& state);
     template <int Dim>
-    void addSystem(const Grid<Dim>& grid, int field, const std::vector<const StrainedNodes<Dim>*>& members,
+    void addSystem(const Grid<Dim>& grid, int field, const std::vector<StrainedNodes<Dim>*>& members,
                    State<Dim>& state);
     template <int Dim, class F> void withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& system, F&& f);
 };

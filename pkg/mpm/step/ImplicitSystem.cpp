@@ -6,112 +6,197 @@
 
 namespace mpm {
 
-template <int Dim> void ImplicitSystem<Dim>::sortNodes(const Grid<Dim>& grid) {
-    Index<Dim> first, last;
-    first.fill(grid.count);
-    last.fill(0);
-    for (int node : nodes) {
-        const Index<Dim> at = grid.indices(node);
-        for (int k = 0; k < Dim; ++k) {
-            first[k] = std::min(first[k], at[k]);
-            last[k] = std::max(last[k], at[k]);
-        }
-    }
-    int longest = Dim - 1;
-    for (int k = 0; k < Dim - 1; ++k)
-        if (last[k] - first[k] > last[longest] - first[longest]) longest = k;
-    // The highest first: what stands in the ground, and is in contact, comes last, where back-solves are short.
-    std::sort(nodes.begin(), nodes.end(), std::greater<int>()); // along the last axis
-    if (longest != Dim - 1)
-        std::stable_sort(nodes.begin(), nodes.end(),
-                         [&](int a, int b) { return grid.indices(a)[longest] > grid.indices(b)[longest]; });
+template <int Dim> void ImplicitSystem<Dim>::reset(int velocityField) {
+    field = velocityField;
+    nodes.clear();
+    members_.clear();
 }
 
+// The axis along which nodes that strain one particle have the closest numbers. first, last: of the nodes of a system;
+// reach: from the first to the last node of a particle, at most.
 template <int Dim>
-void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>& bodies,
-                                   const std::vector<int>& number) {
+int axisOfNarrowestBand(const Index<Dim>& first, const Index<Dim>& last, const Index<Dim>& reach) {
+    int best = -1;
+    double narrowest = 0;
+    for (int axis = Dim - 1; axis >= 0; --axis) {
+        double band = 0, step = 1;
+        for (int k = 0; k < Dim; ++k)
+            if (k != axis) {
+                band += step * reach[k];
+                step *= last[k] - first[k] + 1;
+            }
+        band += step * reach[axis];
+        if (best >= 0 && band >= narrowest) continue;
+        best = axis;
+        narrowest = band;
+    }
+    return best;
+}
+
+template <int Dim> void ImplicitSystem<Dim>::sortNodes(const Grid<Dim>& grid) {
+    Index<Dim> first, last, reach;
+    first.fill(grid.count);
+    last.fill(0);
+    reach.fill(0);
+    for (const auto* member : members_)
+        for (const Strained& particle : member->particles) {
+            const auto begin = member->entries.begin() + particle.begin;
+            const auto end = member->entries.begin() + particle.end;
+            const auto isBefore = [](const Entry& a, const Entry& b) { return a.node < b.node; };
+            if (begin == end) continue;
+            const auto [lowest, highest] = std::minmax_element(begin, end, isBefore);
+            const Index<Dim> low = grid.indices(lowest->node), high = grid.indices(highest->node);
+            for (int k = 0; k < Dim; ++k) {
+                first[k] = std::min(first[k], low[k]);
+                last[k] = std::max(last[k], high[k]);
+                reach[k] = std::max(reach[k], high[k] - low[k]);
+            }
+        }
+    const int axis = axisOfNarrowestBand<Dim>(first, last, reach);
+    // The highest first: what stands in the ground, and is in contact, comes last, where back-solves are short.
+    std::sort(nodes.begin(), nodes.end(), std::greater<int>()); // along the last axis
+    if (axis != Dim - 1)
+        std::stable_sort(nodes.begin(), nodes.end(),
+                         [&](int a, int b) { return grid.indices(a)[axis] > grid.indices(b)[axis]; });
+}
+
+template <int Dim> void ImplicitSystem<Dim>::place(const std::vector<int>& number) {
     int span = 0; // of the numbers of the nodes that strain one particle
-    for (const auto* body : bodies)
-        for (const auto& particle : body->particles) {
+    for (auto* force : {&atStart_, &weight_}) force->assign(nodes.size(), Vec<Dim>::Zero());
+    for (auto* member : members_)
+        for (const Strained& particle : member->particles) {
             int least = int(nodes.size()), most = 0;
             for (int e = particle.begin; e < particle.end; ++e) {
-                least = std::min(least, number[body->entries[e].node]);
-                most = std::max(most, number[body->entries[e].node]);
+                Entry& entry = member->entries[e];
+                const int at = number[entry.node];
+                least = std::min(least, at);
+                most = std::max(most, at);
+                entry.unknown = Dim * at;
+                atStart_[at] += entry.force;
+                weight_[at] += entry.weight;
             }
             span = std::max(span, most - least);
         }
-    stiffness_.reset(Dim * int(nodes.size()), Dim * span + Dim - 1);
-    for (const auto* body : bodies)
-        for (const auto& particle : body->particles) add(*body, particle, number);
-    for (auto* force : {&atStart_, &weight_}) force->assign(nodes.size(), Vec<Dim>::Zero());
-    for (const auto* body : bodies)
-        for (const auto& entry : body->entries) {
-            atStart_[number[entry.node]] += entry.force;
-            weight_[number[entry.node]] += entry.weight;
-        }
-    for (auto* vector : {&velocity_, &force_, &solved_, &straining_})
-        vector->assign(stiffness_.padded(), 0.0);
+    band_ = Dim * span + Dim - 1;
+}
+
+template <int Dim> void ImplicitSystem<Dim>::assemble(double square) {
+    factor_.reset(unknowns(), band_);
+    for (const auto* member : members_)
+        for (const Strained& particle : member->particles) add(square, *member, particle);
+    for (auto* vector : {&velocity_, &force_, &solved_, &straining_}) vector->assign(factor_.padded(), 0.0);
 }
 
 template <int Dim>
-void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
-                              const typename StrainedNodes<Dim>::Strained& particle,
-                              const std::vector<int>& number) {
-    using Entry = typename StrainedNodes<Dim>::Entry;
+void ImplicitSystem<Dim>::add(double square, const StrainedNodes<Dim>& strained, const Strained& particle) {
     order_.clear(); // by number, so that rows are below columns
-    for (int e = particle.begin; e < particle.end; ++e)
-        order_.emplace_back(Dim * number[strained.entries[e].node], &strained.entries[e]);
-    std::sort(order_.begin(), order_.end(), [](auto& a, auto& b) { return a.first < b.first; });
-    const double lambda = particle.lambda, mu = particle.mu;
+    for (int e = particle.begin; e < particle.end; ++e) order_.push_back(&strained.entries[e]);
+    std::sort(order_.begin(), order_.end(), [](auto* a, auto* b) { return a->unknown < b->unknown; });
+    const double lambda = square * particle.lambda, mu = square * particle.mu;
     for (size_t b = 0; b < order_.size(); ++b) {
-        const int column = order_[b].first;
-        const Entry& q = *order_[b].second;
+        const Entry& q = *order_[b];
+        const int column = q.unknown;
+        double control[StrainedNodes<Dim>::patterns];
+        for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m)
+            control[m] = square * particle.control[m] * q.gamma[m];
         for (size_t a = b; a < order_.size(); ++a) {
-            const int row = order_[a].first;
-            const Entry& g = *order_[a].second;
+            const Entry& g = *order_[a];
             double product = 0, diagonal = 0;
             for (int k = 0; k < Dim; ++k) product += g.g[k] * q.g[k];
-            for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m)
-                diagonal += particle.control[m] * g.gamma[m] * q.gamma[m];
+            for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m) diagonal += control[m] * g.gamma[m];
             diagonal += mu * product;
             for (int j = 0; j < Dim; ++j) {
-                double* below = &stiffness_.at(row, column + j);
+                double* below = &factor_.at(g.unknown, column + j);
                 for (int i = a == b ? j : 0; i < Dim; ++i)
                     below[i] +=
                         lambda * g.trace[i] * q.trace[j] + mu * g.g[j] * q.g[i] + (i == j ? diagonal : 0.0);
             }
-            stiffness_.at(row, column) += 2 * mu * g.hoop * q.hoop;
-            if (particle.rows) addBeam(strained, particle, order_[a], order_[b]);
+            factor_.at(g.unknown, column) += 2 * mu * g.hoop * q.hoop;
         }
     }
+    if (particle.rows) addBeam(square, strained, particle);
 }
 
 template <int Dim>
-void ImplicitSystem<Dim>::addBeam(const StrainedNodes<Dim>& strained,
-                                  const typename StrainedNodes<Dim>::Strained& particle,
-                                  const Numbered& below, const Numbered& above) {
-    const auto rowsOf = [&](const Numbered& at) {
-        return strained.beamRows[at.second - strained.entries.data()];
-    };
-    const auto a = rowsOf(below), b = rowsOf(above);
-    for (int r = 0; r < particle.rows; ++r)
-        for (int j = 0; j < Dim; ++j)
-            for (int i = &below == &above ? j : 0; i < Dim; ++i)
-                stiffness_.at(below.first + i, above.first + j) +=
-                    particle.rowStiffness[r] * a.row[r][i] * b.row[r][j];
+void ImplicitSystem<Dim>::addBeam(double square, const StrainedNodes<Dim>& strained,
+                                  const Strained& particle) {
+    const auto rowsOf = [&](const Entry* at) { return strained.beamRows[at - strained.entries.data()]; };
+    for (size_t b = 0; b < order_.size(); ++b)
+        for (size_t a = b; a < order_.size(); ++a) {
+            const auto below = rowsOf(order_[a]), above = rowsOf(order_[b]);
+            for (int r = 0; r < particle.rows; ++r)
+                for (int j = 0; j < Dim; ++j)
+                    for (int i = a == b ? j : 0; i < Dim; ++i)
+                        factor_.at(order_[a]->unknown + i, order_[b]->unknown + j) +=
+                            square * particle.rowStiffness[r] * below.row[r][i] * above.row[r][j];
+        }
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::multiply(const std::vector<double>& x, std::vector<double>& force) const {
+    std::fill(force.begin(), force.end(), 0.0);
+    for (const auto* member : members_)
+        for (const Strained& particle : member->particles)
+            addForce(*member, particle, x.data(), force.data());
+}
+
+// The forces on the nodes of a particle that is strained by x.
+template <int Dim>
+void ImplicitSystem<Dim>::addForce(const StrainedNodes<Dim>& strained, const Strained& particle,
+                                   const double* x, double* force) const {
+    constexpr int patterns = StrainedNodes<Dim>::patterns;
+    double gradient[Dim][Dim] = {}, hourglass[patterns][Dim] = {}, ring = 0, trace = 0;
+    for (int e = particle.begin; e < particle.end; ++e) {
+        const Entry& entry = strained.entries[e];
+        const double* u = x + entry.unknown;
+        for (int i = 0; i < Dim; ++i) {
+            trace += entry.trace[i] * u[i];
+            for (int j = 0; j < Dim; ++j) gradient[i][j] += u[i] * entry.g[j];
+            for (int m = 0; m < patterns; ++m) hourglass[m][i] += entry.gamma[m] * u[i];
+        }
+        ring += entry.hoop * u[0];
+    }
+    double stress[Dim][Dim]; // beside the pressure, over V
+    for (int i = 0; i < Dim; ++i)
+        for (int j = 0; j < Dim; ++j) stress[i][j] = particle.mu * (gradient[i][j] + gradient[j][i]);
+    for (int m = 0; m < patterns; ++m)
+        for (int i = 0; i < Dim; ++i) hourglass[m][i] *= particle.control[m];
+    trace *= particle.lambda;
+    ring *= 2 * particle.mu;
+    for (int e = particle.begin; e < particle.end; ++e) {
+        const Entry& entry = strained.entries[e];
+        double* f = force + entry.unknown;
+        for (int i = 0; i < Dim; ++i) {
+            double sum = trace * entry.trace[i];
+            for (int j = 0; j < Dim; ++j) sum += stress[i][j] * entry.g[j];
+            for (int m = 0; m < patterns; ++m) sum += hourglass[m][i] * entry.gamma[m];
+            f[i] += sum;
+        }
+        f[0] += ring * entry.hoop;
+    }
+    for (int r = 0; r < particle.rows; ++r) {
+        double strain = 0;
+        for (int e = particle.begin; e < particle.end; ++e)
+            for (int i = 0; i < Dim; ++i)
+                strain += strained.beamRows[e].row[r][i] * x[strained.entries[e].unknown + i];
+        for (int e = particle.begin; e < particle.end; ++e)
+            for (int i = 0; i < Dim; ++i)
+                force[strained.entries[e].unknown + i] +=
+                    particle.rowStiffness[r] * strain * strained.beamRows[e].row[r][i];
+    }
 }
 
 template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<Dim>& gravity) {
     NF& nodal = scene.grid.fields[field];
     const double dt = scene.dt, square = dt * dt;
     const int n = unknowns();
-    factor_.setScaled(stiffness_, square);
+    assemble(square);
     for (int i = 0; i < n; ++i) {
         const double v = nodal.motion[nodes[i / Dim]][i % Dim];
         velocity_[i] = holderOf(nodal, i) >= 0 ? v : 0;
         solved_[i] = holderOf(nodal, i) >= 0 ? 0 : nodal.sum[nodes[i / Dim]][NF::mass] * v;
     }
-    stiffness_.multiply(velocity_.data(), force_.data());
+    multiply(velocity_, force_);
     for (int i = 0; i < n; ++i) {
         factor_.at(i, i) += nodal.sum[nodes[i / Dim]][NF::mass];
         if (holderOf(nodal, i) >= 0)
@@ -123,7 +208,7 @@ template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<
     factor_.solve(solved_.data());
     for (int i = 0; i < n; ++i)
         if (holderOf(nodal, i) < 0) velocity_[i] = solved_[i];
-    stiffness_.multiply(velocity_.data(), force_.data());
+    multiply(velocity_, force_);
     double gained = 0; // by gravity, beyond the explicit motion
     for (int i = 0; i < n; ++i) {
         if (holderOf(nodal, i) >= 0) {
@@ -208,7 +293,7 @@ void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
             }
     factor_.solve(solved_.data());
     std::vector<double> force(solved_.size());
-    stiffness_.multiply(solved_.data(), force.data());
+    multiply(solved_, force);
     double gained = 0;
     for (int i = 0; i < unknowns(); ++i) {
         velocity_[i] += solved_[i];
@@ -238,7 +323,7 @@ template <int Dim> void ImplicitSystem<Dim>::addEnergies(Scene<Dim>& scene) {
     const NF& nodal = scene.grid.fields[field];
     const double half = 0.5 * scene.dt * scene.dt;
     double taken = 0, fallen = 0;
-    stiffness_.multiply(straining_.data(), solved_.data());
+    multiply(straining_, solved_);
     for (int i = 0; i < unknowns(); ++i) {
         const double a = nodal.motion[nodes[i / Dim]][NF::acceleration + i % Dim];
         const double atEnd = atStart_[i / Dim][i % Dim] - scene.dt * force_[i];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The nodes that implicit bodies move together, their elastic stiffness K, and the solution of
 //     (M + dt^2 K) v = p + dt f - dt^2 K v_held
-// for the free components. Nodes are numbered along the longest axis, so that the band is narrow.
+// for the free components. Nodes are numbered along the axis that makes the band narrowest. The factor of the matrix
+// is a band; K itself acts particle by particle.
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
@@ -15,15 +16,17 @@ template <int Dim> class ImplicitSystem {
   public:
     using NF = NodalField<Dim>;
 
-    explicit ImplicitSystem(int field) : field(field) {}
-
-    int field; // velocity field
+    int field = -1; // velocity field
     std::vector<int> nodes;
 
-    // Into the order of the unknowns; each node is there once.
+    // Begins anew, in the memory that it has.
+    void reset(int velocityField);
+    // Some particles of its bodies, which the caller keeps until the next step.
+    void addMember(StrainedNodes<Dim>& member) { members_.push_back(&member); }
+    // `nodes`, each of which is there once, into the order of the unknowns.
     void sortNodes(const Grid<Dim>& grid);
-    // K of the strained particles of its bodies. number: of each node, its place in `nodes`.
-    void assemble(const std::vector<const StrainedNodes<Dim>*>& bodies, const std::vector<int>& number);
+    // Tells the particles their unknowns. number: of each node, its place in `nodes`.
+    void place(const std::vector<int>& number);
 
     // On a node, kN s, and the change of its velocity that the particles do not take, m/s.
     struct Impulse {
@@ -51,14 +54,17 @@ template <int Dim> class ImplicitSystem {
     // What the solution took out of the motion that the nodes have now.
     void addEnergies(Scene<Dim>& scene);
 
-    int unknowns() const { return stiffness_.size(); }
+    int unknowns() const { return Dim * int(nodes.size()); }
 
   private:
-    BandMatrix stiffness_, factor_;
+    std::vector<StrainedNodes<Dim>*> members_;
+    BandMatrix factor_;
+    int band_ = 0;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<double> straining_;                          // what only strains, m/s
-    using Numbered = std::pair<int, const typename StrainedNodes<Dim>::Entry*>;
-    std::vector<Numbered> order_; // of the particle in work
+    using Entry = typename StrainedNodes<Dim>::Entry;
+    using Strained = typename StrainedNodes<Dim>::Strained;
+    std::vector<const Entry*> order_; // of the particle in work
     std::vector<Vec<Dim>> atStart_,
         weight_; // of the bodies: force of their stress at the start of the step; kN
 
@@ -76,10 +82,14 @@ template <int Dim> class ImplicitSystem {
                   const std::vector<Vec<Dim>>& impulses);
     // v and a of a node; returns what gravity gains, kW.
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
-    void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
-             const std::vector<int>& number);
-    void addBeam(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
-                 const Numbered& below, const Numbered& above);
+    // factor_ = dt^2 K.
+    void assemble(double square);
+    void add(double square, const StrainedNodes<Dim>& strained, const Strained& particle);
+    void addBeam(double square, const StrainedNodes<Dim>& strained, const Strained& particle);
+    // force = K x.
+    void multiply(const std::vector<double>& x, std::vector<double>& force) const;
+    void addForce(const StrainedNodes<Dim>& strained, const Strained& particle, const double* x,
+                  double* force) const;
     void react(Scene<Dim>& scene, int unknown, double force) const;
 };
 

@@ -14,7 +14,7 @@ template <int Dim> class StrainedNodes {
     static constexpr int patterns = Mesh<Dim>::patterns;
 
     struct Entry {
-        int node;
+        int node, unknown;                  // the first of its unknowns in the system that it belongs to
         double g[Dim], gamma[patterns];     // 1/m; -
         double hoop = 0, trace[Dim] = {};   // 1/m; of tr e
         Vec<Dim> force;                     // kN, of the stress of the particle at the start
@@ -60,7 +60,7 @@ template <int Dim> class StrainedNodes {
         const auto entryOf = [&](int node) -> Entry& {
             for (size_t e = particle.begin; e < entries.size(); ++e)
                 if (entries[e].node == node) return entries[e];
-            return entries.emplace_back(Entry{node, {}, {}, 0, {}, Vec<Dim>::Zero()});
+            return entries.emplace_back(Entry{node, -1, {}, {}, 0, {}, Vec<Dim>::Zero()});
         };
         Mat<Dim> stress;
         for (int i = 0; i < Dim; ++i)

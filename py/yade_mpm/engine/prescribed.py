@@ -17,6 +17,8 @@ from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
 from ..particle.part import BodyPart
+from .callback import Callback
+from .supports import timeRows
 
 FACES = {
     2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
@@ -287,6 +289,68 @@ class Steering:
     def __call__(self, scene):
         motion = next(m for m in scene.constraints if m.name == self.name)
         motion.velocity = self.function(scene.time + scene.stepper.dt)
+
+
+class MotionTable(Callback):
+    """Gives a motion the velocity of a table, at the head of the engines. A checkpoint keeps it.
+
+    In each step the velocity is the mean of the table over it, so that the path is its integral, whatever the
+    steps.
+
+    Parameters
+    ----------
+    motion : name of the `Drive` or `Hold`.
+    table : rows (time, velocity along each axis), s and m/s, linear between them; None along a free axis.
+    """
+
+    @checked("MotionTable")
+    def __init__(self, motion: str, table: list, label: str = "") -> None:
+        super().__init__(iterPeriod=1, label=label)
+        self._motion = motion
+        self._rows = velocityRows("MotionTable", table, None, np.shape(table)[1] - 1)
+
+    motion = property(lambda self: self._motion, doc="Name of what it moves.")
+    rows = property(lambda self: self._rows, doc="Of the table; nan along free axes.")
+
+    def __repr__(self):
+        return f"MotionTable({self.motion!r}, {len(self.rows)} rows, label={self.label!r})"
+
+    def spec(self):
+        return {"motion": self.motion, "table": withFreeAxes(self.rows)}
+
+    def mean(self, start, end):
+        """Velocity along each axis, m/s: the mean from a time to another one, s."""
+        first, last = np.searchsorted(self.rows[:, 0], (start, end), "right")
+        times = np.concatenate(([start], self.rows[first:last, 0], [end]))
+        return [
+            np.trapz(np.interp(times, self.rows[:, 0], v), times) / (end - start) for v in self.rows.T[1:]
+        ]
+
+    def act(self, scene):
+        motion = next(m for m in scene.constraints if m.name == self.motion)
+        means = self.mean(scene.time, scene.time + scene.stepper.dt)
+        motion.velocity = withFreeAxes([means])[0]
+
+
+def withFreeAxes(rows):
+    """Rows as they are given: None where a number is nan."""
+    return [[None if np.isnan(v) else float(v) for v in row] for row in rows]
+
+
+def isTable(velocity):
+    """Whether a velocity is given as rows."""
+    return isinstance(velocity, (list, tuple, np.ndarray)) and any(np.ndim(row) for row in velocity)
+
+
+def velocityRows(who, velocity, times, dim):
+    """Rows (time, velocity along each axis) of a table, or of a function at some times; nan on free axes."""
+    rows = [(t, *velocity(t)) for t in times] if callable(velocity) else velocity
+    if any(np.shape(row) != (1 + dim,) for row in rows):
+        return timeRows(who, "velocity", rows, dim, None)  # which says what is wrong
+    isFree = np.array([[v is None for v in row] for row in rows]).all(axis=0)
+    rows = timeRows(who, "velocity", np.where(isFree, 0.0, np.asarray(rows, object)), dim, None)
+    rows[:, isFree] = np.nan
+    return rows
 
 
 def _velocity(who, velocity):

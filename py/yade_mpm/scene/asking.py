@@ -17,7 +17,7 @@ from ..diagnostics.certificate import quasiStatic as certificateOf
 from ..diagnostics.drainage import drainage
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.callback import PyRunner
-from ..engine.prescribed import FACES, Drive, Hold, Steering
+from ..engine.prescribed import FACES, Drive, Hold, MotionTable, Steering, isTable, velocityRows, withFreeAxes
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..io.history import History
@@ -99,6 +99,7 @@ def drive(
     ramp: float = 0.0,
     name: str | None = None,
     byHeight: bool = False,
+    times: Sequence[float] | None = None,
 ) -> Drive | Hold:
     """Moves a body, a part of one, or nodes with a prescribed velocity, and measures the force that takes.
 
@@ -112,14 +113,17 @@ def drive(
     ----------
     what : Body, or a part of one, as of `body.above(12)`, `body.inside(region)`: a `Drive`. Or a region, or
         the name of a side of the grid: a `Hold` of the nodes there, which stay where they are.
-    velocity : m/s, one component per axis; None leaves a direction free, zeros hold it. Or a function of the
-        scene's time (s) that returns them: each step ends with the value at its end. After `mpm.load` give it
-        again, `callbacks={"NAME.velocity": mpm.engine.Steering("NAME", function)}`.
+    velocity : m/s, one component per axis; None leaves a direction free, zeros hold it. Or a table, rows of
+        the scene's time (s) and these, linear between them, the first and last one outside: the path is its
+        integral, and a checkpoint keeps it. Or a function of the time that returns them: each step ends with
+        the value at its end. After `mpm.load` give it again,
+        `callbacks={"NAME.velocity": mpm.engine.Steering("NAME", function)}`.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
 
     byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True:
         it is looked up anew in each step, and what sinks below 12 is let go; default False.
+    times : s, of the rows of a table that is made of a function; default None: no table.
 
     Returns the `Drive` or `Hold`, which `scene.drives` has by its name, also after `mpm.load`. `Drive` tells
     which nodes move.
@@ -133,8 +137,11 @@ def drive(
             f"drive: what = {shown(what)}; give a body, a part of one, e.g. pile.above(12), a region, or a "
             "side"
         )
-    function = velocity if callable(velocity) else None
+    rows = _velocityRows(scene, velocity, times, ramp)
+    function = velocity if callable(velocity) and rows is None else None
     velocity = velocity if function is None else function(scene.time)
+    if rows is not None:  # of the start
+        velocity = withFreeAxes([[np.interp(scene.time, rows[:, 0], v) for v in rows.T[1:]]])[0]
     if not (isinstance(velocity, (tuple, list, np.ndarray)) and len(velocity) == scene.dim):
         raise ValueError(
             f"drive: velocity = {shown(velocity)} is not allowed; give {scene.dim} components, m/s (None "
@@ -155,9 +162,25 @@ def drive(
     if function is not None:
         steering = PyRunner(Steering(motion.name, function), iterPeriod=1, label=f"{motion.name}.velocity")
         scene.engines.insert(0, steering)
+    if rows is not None:
+        table = MotionTable(motion.name, withFreeAxes(rows), label=f"{motion.name}.velocity")
+        scene.engines.insert(0, table)
     scene._asked.add(solver)
     scene.stepper.noteChange()
     return motion
+
+
+def _velocityRows(scene, velocity, times, ramp):
+    """The table of a motion; None: its velocity is none."""
+    if times is not None and not callable(velocity):
+        raise ValueError("drive: times are given, and velocity is no function; leave times out")
+    if not isTable(velocity) and times is None:
+        return None
+    if ramp:
+        raise ValueError(
+            f"drive: ramp = {ramp:g} beside a table of the velocity; let the table grow from zero"
+        )
+    return velocityRows("drive", velocity, times, scene.dim)
 
 
 def load(scene, body: Body, where: Region, **options) -> BoundaryLoad:

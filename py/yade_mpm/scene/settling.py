@@ -13,7 +13,7 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..base.wording import shown
-from ..engine.prescribed import Steering
+from ..engine.prescribed import MotionTable, Steering
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
 from .wetting import waterOf
@@ -71,11 +71,13 @@ def settle(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
                 f"zero, settle, and set it again"
             )
-    for command in (getattr(engine, "command", None) for engine in scene.engines if not engine.dead):
-        if isinstance(command, Steering):
+    for engine in (engine for engine in scene.engines if not engine.dead):
+        if isinstance(command := getattr(engine, "command", None), Steering):
             raise ValueError(
                 f"settle: '{command.name}' moves by a function of time; call scene.drive behind settle"
             )
+        if isinstance(engine, MotionTable):
+            raise ValueError(f"settle: '{engine.motion}' moves by a table; call scene.drive behind settle")
     keep(scene, _dampingAfterSettling=solver.damping)
     began = {body.name: (body.id.copy(), body.position.copy()) for body in scene.bodies}
     solver.damping = damping

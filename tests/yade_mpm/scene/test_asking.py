@@ -7,6 +7,7 @@ import io
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import cases, refused
 from setups import chain, restarted
 
 SAND = dict(density=1.8, young=2e4, poisson=0.3, cohesion=2, frictionAngle=0.55)
@@ -91,6 +92,57 @@ def testAVelocityMayBeAFunctionOfTime(tmp_path):
         one.run(until=1.0, progress=False)
     np.testing.assert_array_equal(scene["block"].byId("position"), again["block"].byId("position"))
     assert abs(body.displacement[:, 1].mean()) < 2e-3
+
+
+TABLE = [(0, None, 0), (0.1, None, 1), (0.25, None, -0.5), (0.4, None, 0)]
+
+
+@pytest.mark.parametrize("dt", [0.0007, 0.00053])
+@pytest.mark.parametrize("isHold", [False, True])
+def testAVelocityMayBeATableWhoseIntegralIsThePath(dt, isHold, tmp_path):
+    """To round-off whatever the steps; a restart knows the table, and goes on with the same bits."""
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    body = block(scene, lower=(1, 1))
+    what = mpm.box((0.5, 0.5), (2.5, 2.5)) if isHold else body
+    press = scene.drive(what, velocity=TABLE, name="press")
+    with pytest.raises(ValueError, match="'press' moves by a table"):
+        scene.settle()
+    scene.dt = dt
+    scene.run(steps=20, progress=False)
+    scene.save(tmp_path / "part.h5")
+    again = mpm.load(tmp_path / "part.h5")
+    for one in (scene, again):
+        one.run(until=0.402, progress=False)
+    np.testing.assert_array_equal(body.byId("position"), again["block"].byId("position"))
+    time, _, speed = np.array(TABLE, float).T
+    assert body.displacement[:, 1] == pytest.approx(np.trapz(speed, time), abs=1e-12)
+    assert press.velocity == (None, 0)
+
+
+def testAFunctionWithTimesIsATable():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    body = block(scene, lower=(1, 1))
+    scene.drive(body, velocity=lambda t: (0.2 * t, 0), times=[0, 1, 2])
+    scene.dt = 2e-3
+    scene.run(until=0.5, progress=False)
+    assert body.displacement[:, 0] == pytest.approx(0.1 * scene.time**2, rel=1e-9)
+
+
+def driven(velocity, **options):
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    return scene.drive(block(scene, lower=(1, 1)), velocity, **options)
+
+
+@cases(
+    ("drive: velocity = ... give 2 number(s), or rows of the time", lambda: driven([(0, 0), (1, 1)])),
+    ("drive: velocity = ... give 2 number(s), or rows of the time", lambda: driven([(0, 0, 0), (1, 1)])),
+    ("drive: velocity: times do not grow", lambda: driven([(1, 0, 0), (0, 1, 0)])),
+    ("drive: velocity: row 1 = ... is not finite", lambda: driven([(0, 0, 0), (1, None, 0)])),
+    ("drive: ramp = 0.1 beside a table of the velocity", lambda: driven(TABLE, ramp=0.1)),
+    ("drive: times are given, and velocity is no function", lambda: driven((0, 1), times=[0, 1])),
+)
+def testWhatIsRefusedOfATable(named, make, kind):
+    refused(named, make, kind)
 
 
 def testTheVerdictBehindSettleLeavesItsDampingOut(tmp_path):

@@ -61,6 +61,21 @@ def deepOverlap(scene):
     return None
 
 
+def costlyBodies(scene):
+    """Which implicit bodies take most of the time of a step, as text; or None."""
+    engine = next((e for e in scene.engines if type(e).__name__ == "ImplicitBodies"), None)
+    total = sum(e.seconds for e in scene.engines) if engine else 0.0
+    if total < limits.IMPLICIT_SECONDS or engine.seconds <= limits.IMPLICIT_SHARE * total:
+        return None
+    names = ", ".join(f"'{body.name}'" for body in scene.bodies if body.implicit and body.count)
+    return (
+        f"ImplicitBodies: {names} take {100 * engine.seconds / total:.0f} % of the time, "
+        f"{1e3 * engine.seconds / engine.calls:.3g} ms in a step. It grows with the cells along a body and "
+        "the square of those across it: give larger cells there, model half of it beside a roller, or leave "
+        "implicit=True out where the step is long enough (scene.criticalTimeStep(asIfExplicit=True))"
+    )
+
+
 def distortion(scene):
     """Which APDI domain is distorted most, if any is much, as text; or None."""
     poor = [

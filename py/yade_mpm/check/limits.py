@@ -37,6 +37,9 @@ MESH_FLOW_STRAIN, MESH_FLOW_SHARE = 0.01, 0.1
 # F-bar at 0.45, 4 % at 0.475, 8 % at 0.49 and 42 % at 0.499 (0.5 % at 0.4). And the volume of a particle, in
 # cells, up to which it may lock: domains of a quarter of a cell do so as boxes do, those of 0.64 do not.
 LOCKING_POISSON, LOCKING_VOLUME = 0.45, 0.5
+# Share of the time of all engines that implicit bodies may take unsaid: with half of it they cost as much as
+# all else. And seconds from which on it counts, so that short runs say nothing.
+IMPLICIT_SHARE, IMPLICIT_SECONDS = 0.5, 10.0
 # Growth of a body of soil that does not dilate from which on a run tells that it has opened: columns of sand
 # gain 2.5 to 50 % in a collapse, elasticity and noise well below 1 %.
 OPENED_VOLUME = 0.02

@@ -4,6 +4,7 @@ everything."""
 
 import re
 
+from .. import _core
 from ..engine.contact import Contact
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
@@ -11,6 +12,7 @@ from ..engine.rigidContact import RigidContact
 from ..io.history import History
 from ..io.recorder import Recorder
 from ..particle.body import Body
+from .hasClock import PARTICLES_PER_THREAD
 
 _SHAPES = re.compile(r"\b(box|disc|polygon|sphere|halfSpace|everywhere)\(")
 
@@ -56,7 +58,14 @@ def summary(scene):
     for motion in (*solver.holds, *solver.drives):
         yield f"Motion    {_motion(motion)}"
     yield f"Step      {_step(scene)}"
+    yield f"Threads   {_threads(scene)}"
     yield f"Engines   {', '.join(type(e).__name__ for e in scene.engines)}"
+
+
+def _threads(scene):
+    if scene._threads:
+        return f"{scene.threads}, as given"
+    return f"{scene.threads} of {_core.availableThreads()}, one for every {PARTICLES_PER_THREAD} particles"
 
 
 def _grid(scene):

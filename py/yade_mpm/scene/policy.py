@@ -49,7 +49,8 @@ class LoopPolicy:
         coarse.
         """
         steps = self._scene.steps
-        self._warnOnce({"deep overlap": domains.deepOverlap(self._scene)})
+        scene = self._scene
+        self._warnOnce({"overlap": domains.deepOverlap(scene), "cost": domains.costlyBodies(scene)})
         if steps >= self._checkAt:
             self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
             self.lookAtDomains(limits.INTERFACE_RUN)

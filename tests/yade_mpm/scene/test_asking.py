@@ -3,6 +3,7 @@
 
 import contextlib
 import io
+import re
 
 import numpy as np
 import pytest
@@ -68,6 +69,10 @@ def testDescribeTellsEveryChoiceWithItsReason(capsys):
     said = capsys.readouterr().out
     assert "bottom fixed; left, right on rollers" in said
     assert "UGIMP(splitAt=1.3): the material yields" in said
+    assert "Threads   1, as given" in said
+    scene.threads = None
+    scene.describe()
+    assert re.search(r"Threads   \d+ of \d+, one for every 1000 particles", capsys.readouterr().out)
     assert "implicit: its waves run at" in said and "group 'pile'" in said
     assert "Contact   'pile' and 'soil': friction 0.3" in said and "Engines   ParticleToGrid" in said
 

@@ -39,7 +39,7 @@ def test_files_that_a_page_names_are_there(page):
 
 
 # Abbreviations of the method, which no reader needs to know.
-ABBREVIATIONS = "APDI uGIMP MCDP MUSL USF USL FLIP F-bar CPDI MLS-MPM hourglass"
+ABBREVIATIONS = "APDI uGIMP MCDP MUSL USF USL FLIP F-bar CPDI hourglass"
 ABBREVIATION = re.compile(rf"(?<![\w-])({ABBREVIATIONS.replace(' ', '|')})(?![\w-])")
 READ_BY_USERS = [
     page

@@ -108,3 +108,18 @@ def test_a_curve_that_turns_back_is_refused(tmp_path):
 def test_a_measured_curve_of_zeros_has_an_end(tmp_path):
     found = fitLine(tmp_path, "zeros", slope=0.0)
     assert found.rms == found.scale == 0 and (tmp_path / "calibration.html").exists()
+
+
+def test_a_law_is_calibrated_by_a_laboratory_curve(tmp_path):
+    """Toyoura sand, drained, e = 0.831, 100 kPa (Verdugo & Ishihara 1996): q over the strain. Dafalias &
+    Manzari 2004 have 7.05 and 1.1, of more tests and by eye."""
+    strain = np.array([0.5, 1, 1.5, 2, 3, 5, 7.5, 10, 12.5, 15, 17.5, 20]) / 100
+    ratio = [2.434, 2.899, 3.035, 3.171, 3.267, 3.364, 3.396, 3.406, 3.364, 3.333, 3.319, 3.305]
+    measured = np.column_stack([strain, 100 * (np.array(ratio) - 1)])
+    ranges = {"hardening": (2.0, 20.0), "bounding": (0.2, 3.0)}
+    scene = Path(__file__).with_name("triaxial_scene.py")
+    start = {"hardening": 6.0, "bounding": 1.3}
+    found = study.calibrate(scene, ranges, measured, "q", out=tmp_path, start=start, quiet=True)
+    assert found.rms < 0.05 * found.scale
+    assert found.values["hardening"] == pytest.approx(7.05, rel=0.35)
+    assert found.values["bounding"] == pytest.approx(1.1, rel=0.3)

@@ -44,8 +44,8 @@ def gravityVector(scene, gravity):
 
 
 def fix(scene, *sides: str) -> None:
-    """Holds sides of the grid: what is there does not move. Soil that runs out over a fixed floor goes too
-    far, for it keeps its speed there: hold it by scene.drive("bottom", velocity=(0, 0)).
+    """Holds sides of the grid: what is there does not move. Soil shears along them with its own friction, tan
+    delta = sin phi without dilatancy; for a friction of their own make them a body with a contact.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from math import pi
 import yade_mpm as mpm
 from yade_mpm import Parameter, app, box, plot
 
-TOP, LENGTH, LEFT, RIGHT = 8.0, 6.5, 8.0, 9.0  # m: ground, length of the wall, its faces (any two cells)
+TOP, LENGTH, ABOVE, LEFT, RIGHT = 8.0, 6.5, 0.5, 8.0, 9.0  # m: ground, wall below and above it, its faces
 EI, EA, WEIGHT = 71820.0, 3.2e6, 0.118  # kN m2/m, kN/m, Mg/m2: AZ 18
 GAMMA, PROP = 18.0, 2e4  # kN/m3, kN/m per metre
 STAGES = (("gravity", 0, 0.5), ("dig to -2 m", 2, 1.0), ("dig to -4 m", 4, 2.0))  # name, depth (m), time (s)
@@ -28,8 +28,8 @@ def byHand(dig=4.0, Ka=1 / 3, propAt=1.0):  # prop force, kN/m, and largest mome
 def main():
     a = PARAMETERS.parse()
     sand = mpm.MohrCoulomb(density=GAMMA / 9.81, young=3e4, poisson=0.3, cohesion=0.5, frictionAngle=pi / 6)
-    middle, bottom = (LEFT + RIGHT) / 2, TOP - LENGTH
-    sheet = mpm.Beam([(middle, bottom), (middle, TOP)], EI=EI, EA=EA, weight=WEIGHT, thickness=RIGHT - LEFT)
+    line = [((LEFT + RIGHT) / 2, y) for y in (TOP - LENGTH, TOP + ABOVE)]
+    sheet = mpm.Beam(line, EI=EI, EA=EA, weight=WEIGHT, thickness=RIGHT - LEFT)
     scene = mpm.Scene((0, 0), (17, 9), a.cell, gravity=9.81, damping=0.5, threads=a.threads)
     scene.fix("bottom")
     scene.roller("left", "right")

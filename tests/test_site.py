@@ -163,7 +163,8 @@ def test_every_attribute_has_a_text_of_its_own(name):
 SCENE = """
 attach detach groundStress load report stage stages
 add bodies cellSizeAt changes close constraints contact criticalTimeStep damping describe drive drives dt
-dtSpeed engines faceNodes fix gravity history initialStress lines maps nodePositions nodesInside
+dtSpeed engines faceNodes fix freeField gravity history initialStress lines maps nodePositions
+nodesInside
 particleCount pause plot prepare quasiStatic record remove roller run running save settle step steps
 terrain threads tie time timing unbalancedForce viscous wait
 """

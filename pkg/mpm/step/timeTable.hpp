@@ -12,8 +12,14 @@ namespace mpm {
 // Row of a table at a time: linear between rows, the first and last value outside.
 inline std::vector<double> rowAt(const std::vector<double>& table, size_t width, double time) {
     const size_t rows = table.size() / width;
-    size_t next = 0;
-    while (next < rows && table[next * width] <= time) ++next;
+    size_t next = 0; // the first row after the time
+    for (size_t end = rows; next < end;) {
+        const size_t middle = (next + end) / 2;
+        if (table[middle * width] <= time)
+            next = middle + 1;
+        else
+            end = middle;
+    }
     const size_t above = std::min(next, rows - 1), below = next > 0 ? next - 1 : 0;
     const double *first = &table[below * width], *last = &table[above * width];
     const double share = above > below ? (time - first[0]) / (last[0] - first[0]) : 0;

@@ -66,7 +66,7 @@ STATES = {
     "Spring": ("ids", "parts", "toIds", "toParts", "starts", "length", "slip", *FOUND_OF_A_FORCE),
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
-    "ViscousBoundary": ("held", "work"),
+    "ViscousBoundary": ("held", "work", "column", "dashpots"),
     "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes"),
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (

@@ -55,7 +55,7 @@ def remove(scene, body: Body | None = None, region: Region | None = None) -> flo
     with scene._holder.held("remove"):
         empty = Boxes(np.zeros((0, scene.dim)), scene.cell / 4)
         if isinstance(body.type, MeshedType):
-            _dropDomains(scene, body, empty)
+            dropDomains(scene, body, empty)
         else:
             build(body, empty)
         scene._geostaticLayers.pop(body.name, None)
@@ -121,7 +121,7 @@ def _removeParts(scene, body, region, share, centre):
                 f"body '{body.name}': remove: the region cuts {(~cut).sum()} domains of its mesh, which go "
                 "whole; end it where domains end, or use boxes there"
             )
-        _dropDomains(scene, body, Boxes(np.zeros((0, scene.dim)), scene.cell / 4), gone)
+        dropDomains(scene, body, Boxes(np.zeros((0, scene.dim)), scene.cell / 4), gone)
         return
     part = np.flatnonzero((share >= LEAST_SHARE) & (share < 1))
     for name in ("mass", "volume", "initialVolume"):
@@ -145,7 +145,7 @@ def _refuseHeld(scene, body, ids):
                 )
 
 
-def _dropDomains(scene, body, empty, numbers=None):
+def dropDomains(scene, body, empty, numbers=None):
     """Domains leave a mesh by becoming boxes; those go with a body of their own."""
     name = f"{body.name} (removed)"
     type = classes["UGIMP"]()

@@ -22,6 +22,7 @@ from .attaching import attach, detach
 from .changes import Changes
 from .converting import convert
 from .describing import describe
+from .freeField import freeField
 from .geostatic import initialStress
 from .grading import Grading, linesOf
 from .grid import cellSize, corner, makeCore
@@ -130,7 +131,7 @@ class Scene(HasEngines, HasClock, Guarded):
     add, remove = add, remove
     attach, detach, stage, report = attach, detach, stage, report
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
-    load, viscous, tie = asking.load, viscous, tie
+    load, viscous, tie, freeField = asking.load, viscous, tie, freeField
     terrain, maps = grounding.terrain, grounding.maps
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
     describe = describe

@@ -44,9 +44,7 @@ def tie(scene, *sides: str):
         raise ValueError(
             f"tie: sides = {shown(sides)} is not allowed; give {allowed}, in a scene without axial symmetry"
         )
-    labels = [f"{kind} {side}" for side in sides for kind in ("viscous", "tied")]
-    if taken := [engine.label for engine in scene.engines if engine.label in labels]:
-        raise ValueError(f"tie: there is '{taken[0]}' already; leave one of the two out")
+    refuseTaken(scene, "tie", sides)
     if waterOf(scene):
         raise ValueError(
             "tie: the ground has pore water, which tied sides do not carry on; leave out one of the two"
@@ -58,7 +56,7 @@ def tie(scene, *sides: str):
         raise ValueError(
             f"tie: cells at the sides are {sizes[0]:g} and {sizes[1]:g} m wide; give a grid with equal ones"
         )
-    solver = _freed(scene, "tie", sides)
+    solver = freed(scene, "tie", sides)
     cells = len(scene.lines[axis]) - 1
     lower = min(sides, key=lambda side: faces[side][1])
     engine = classes["UniformAlong"](axis="xyz"[axis], period=cells, label=f"tied {lower}")
@@ -67,7 +65,15 @@ def tie(scene, *sides: str):
     return engine
 
 
-def _freed(scene, call, sides):
+def refuseTaken(scene, call, sides):
+    """Refuses sides that are tied, or viscous, already."""
+    lower = {"right": "left", "back": "front"}
+    labels = [f"viscous {side}" for side in sides] + [f"tied {lower.get(side, side)}" for side in sides]
+    if taken := [engine.label for engine in scene.engines if engine.label in labels]:
+        raise ValueError(f"{call}: there is '{taken[0]}' already; leave one of the two out")
+
+
+def freed(scene, call, sides):
     """The solver of the grid, with nothing that is fixed or on rollers at some sides."""
     solver = scene._gridSolver(call)
     for side in sides:
@@ -115,7 +121,7 @@ def viscous(
     if twice := [side for side in sides if f"viscous {side}" in there or sides.count(side) > 1]:
         raise ValueError(f"viscous: the side '{twice[0]}' is viscous already; give each side once")
     made = [_made(scene, side, motion, times, behind) for side in sides]
-    solver = _freed(scene, "viscous", sides)
+    solver = freed(scene, "viscous", sides)
     for engine in made:
         scene.engines.insert(scene.engines.index(solver), engine)
     scene.stepper.noteChange()

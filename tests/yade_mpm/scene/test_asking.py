@@ -193,7 +193,7 @@ def testCompletionShowsTheWordsOfAUser():
     shown = {name for name in dir(scene) if not name.startswith("_")}
     assert {"add", "fix", "contact", "drive", "load", "run", "settle", "describe"} <= shown and len(
         shown
-    ) <= 43
+    ) <= 44
     assert scene.dim == 2 and scene.timing() is not None  # they are there
     with pytest.raises(AttributeError, match="did you mean 'timing'"):
         scene.timings  # noqa: B018

@@ -2,4 +2,4 @@
 """Engines of the step, as registered in pkg/mpm/step and contact, prescribed motions, and callbacks."""
 
 from .engines import Callback, Engine, Prescribed, classes
-from .prescribed import Steering
+from .prescribed import MotionTable, Steering

@@ -7,7 +7,7 @@ import re
 from .. import _core
 from ..engine.contact import Contact
 from ..engine.gridSolver import GridSolver
-from ..engine.prescribed import Drive
+from ..engine.prescribed import Drive, MotionTable
 from ..engine.rigidContact import RigidContact
 from ..io.history import History
 from ..io.recorder import Recorder
@@ -55,8 +55,9 @@ def summary(scene):
     for body in (b for b in scene.bodies if b.count):
         yield from _bodyLines(body)
     yield from _contactLines(scene)
+    tables = {engine.motion: engine for engine in scene.engines if isinstance(engine, MotionTable)}
     for motion in (*solver.holds, *solver.drives):
-        yield f"Motion    {_motion(motion)}"
+        yield f"Motion    {_motion(motion, tables.get(motion.name))}"
     yield f"Step      {_step(scene)}"
     yield f"Threads   {_threads(scene)}"
     yield f"Engines   {', '.join(type(e).__name__ for e in scene.engines)}"
@@ -115,8 +116,10 @@ def _contactLines(scene):
         )
 
 
-def _motion(motion):
+def _motion(motion, table):
     what = motion.part if isinstance(motion, Drive) else motion.where
+    if table is not None:
+        return f"'{motion.name}': {what} by a table of {len(table.rows)} rows"
     ramp = f", from zero in {motion.ramp:g} s" if motion.ramp else ""
     return f"'{motion.name}': {what} with {_vector(motion.velocity)} m/s{ramp}"
 
@@ -176,6 +179,8 @@ def _engine(engine, bodies):
         return "contact"
     if isinstance(engine, (History, Recorder)):
         return f"mpm.{engine!r}"
+    if isinstance(engine, MotionTable):
+        return f"mpm.engine.MotionTable({engine.motion!r}, {engine.spec()['table']})"
     if not isinstance(engine, GridSolver):
         return _short(engine)
     parts = [f"{name}={value!r}" for name, value in _unlikeDefault(engine).items()]

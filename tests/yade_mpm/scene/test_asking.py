@@ -124,6 +124,21 @@ def testAVelocityMayBeATableWhoseIntegralIsThePath(dt, isHold, tmp_path):
     assert press.velocity == (None, 0)
 
 
+def testDescribeTellsATable():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    scene.drive(block(scene, lower=(1, 1)), velocity=TABLE, name="press")
+    said = {False: io.StringIO(), True: io.StringIO()}
+    for isLong, text in said.items():
+        with contextlib.redirect_stdout(text):
+            scene.describe(long=isLong)
+    assert "by a table of 4 rows" in said[False].getvalue()
+    names = {}
+    exec(said[True].getvalue(), names)
+    for one in (scene, names["scene"]):
+        one.run(steps=20, progress=False)
+    np.testing.assert_array_equal(scene["block"].position, names["scene"]["block"].position)
+
+
 def testAFunctionWithTimesIsATable():
     scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
     body = block(scene, lower=(1, 1))

@@ -139,6 +139,7 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
             scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
     State<Dim>& state = std::get<State<Dim>>(states_);
     state.search.prepare(scene);
+    state.solved = -1;
     state.facets.clear(); // facetImpulses may be those of a checkpoint
     const bool sharesCells = !dead && sharedCells && ownedFacets() != OwnedFacets::none;
     if (!sharesCells) {
@@ -166,11 +167,12 @@ OwnedFacets Contact::ownedFacets() const {
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
-    straighten(scene, state.search);
+    const bool isReady = state.solved == scene.step; // act() has asked for the same
+    if (!isReady) straighten(scene, state.search);
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     for (size_t i = 0; i < state.search.nodes.size(); ++i)
         std::copy(state.search.nodes[i].twin, state.search.nodes[i].twin + 2, state.impulses.nodes[i].twin);
-    if (scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
+    if (!isReady && scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
     return state;
 }
 
@@ -239,6 +241,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     const Vec<Dim> gravity = gravityOf(scene);
     flip_ = flipOf(scene);
     State<Dim>& state = found(scene);
+    state.solved = scene.step;
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;
     state.own.assign(search.nodes.size(), {});

@@ -61,6 +61,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         ContactImpulses<Dim> impulses;
         CarriedForces<Dim> carried;
         FacetImpulses<Dim> facets;
+        long solved = -1; // step that act() was called in
         // What implicit bodies answer on their own side of each contact node, for velocities made anew.
         struct Own {
             bool is[2] = {false, false};

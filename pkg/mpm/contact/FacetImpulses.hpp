@@ -120,12 +120,12 @@ template <int Dim> class FacetImpulses {
         for (auto& [number, body] : bodies_) {
             Index<Dim> step;
             for (int k = 0; k < Dim; ++k) step[k] = -reach;
-            for (int k = 0; k < Dim;) {
+            for (int k = 1; k < Dim;) { // nodes in a row have numbers in a row
                 int first = node;
                 for (int j = 0; j < Dim; ++j) first += step[j] * grid.strides[j];
                 auto at = std::lower_bound(body.near.begin(), body.near.end(), std::make_pair(first, -1));
-                for (; at != body.near.end() && at->first == first; ++at) f(body, at->second);
-                for (k = 0; k < Dim && ++step[k] > reach; ++k) step[k] = -reach;
+                for (; at != body.near.end() && at->first <= first + 2 * reach; ++at) f(body, at->second);
+                for (k = 1; k < Dim && ++step[k] > reach; ++k) step[k] = -reach;
             }
         }
     }

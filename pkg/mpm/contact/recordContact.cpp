@@ -71,17 +71,18 @@ template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>
 // What shared cells put on the groups is force of contact, too: pressure, in rows of their own, at nodes that may lie
 // inside the meshes.
 template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
-    std::map<std::tuple<int, int, int>, Vec<Dim>> on; // the second group, by first and second group and node
+    using Place = std::tuple<int, int, int>;    // first and second group, node
+    std::vector<std::pair<Place, Vec<Dim>>> on; // the second group
     for (const auto& part : scene.sharedCells->forces()) {
-        const bool isSecond = part.solid > part.soil;
-        auto& force =
-            on.try_emplace({std::min(part.soil, part.solid), std::max(part.soil, part.solid), part.node},
-                           Vec<Dim>::Zero())
-                .first->second;
-        force += (isSecond ? 1 : -1) * part.force;
+        const auto [first, second] = std::minmax(part.soil, part.solid);
+        on.push_back({{first, second, part.node}, (part.solid > part.soil ? 1 : -1) * part.force});
     }
-    for (const auto& [at, force] : on) {
+    std::stable_sort(on.begin(), on.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (size_t i = 0; i < on.size();) {
+        const Place at = on[i].first;
         const auto [first, second, node] = at;
+        Vec<Dim> force = Vec<Dim>::Zero();
+        for (; i < on.size() && on[i].first == at; ++i) force += on[i].second;
         ContactRecord row;
         row.first = first;
         row.second = second;

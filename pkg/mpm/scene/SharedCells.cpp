@@ -244,7 +244,7 @@ template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell
         taker.volume += part.part * volume;
     }
     giverAt_[cell] = int(givers_.size());
-    givers_.push_back(giver);
+    givers_.push_back(std::move(giver));
 }
 
 // The domains of a solid count in a cell by the parts of them that lie in it.

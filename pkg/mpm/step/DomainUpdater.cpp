@@ -87,7 +87,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             partitions.gradients = partitions.rest = partitions.whole;
         }
         const auto& cells = body.cellAverage;
-        if (!body.fbar || !cells.isLocated(n)) return;
+        if (!body.fbar || !cells.isLocated(n) || cells.actByCells()) return; // then none is alone
         const auto areAlone = [&](int c) { return cells.areAlone(c * chunkSize); };
         partitions.gradients.set(chunksOf(n), [&](int c) { return areAlone(c) ? 0 : 1; });
         partitions.rest.set(chunksOf(n), [&](int c) { return areAlone(c) ? 2 : 1; });

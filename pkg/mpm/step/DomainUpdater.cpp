@@ -210,6 +210,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         });
         wholeBody();
         const bool hasOpened = body.material->volumeRecord().opening >= 0 && shareOpening<N>(region, body);
+        // A domain that lies in several cells would carry stress from one to the other in every step.
+        if (byCells && body.domains->mesh()) return;
         if (hasOpened || atOnce) region.chunks(n, takeMeans);
         cells.template average<true>(region, volume, of, [](int, auto&) {});
         cells.giveLinear(region, scene.grid);

@@ -133,7 +133,7 @@ def flowing(body):
     )
     error = "on stiff soil a strip footing resists up to 19 % too much"
     if isAmongBoxes:
-        error = "beside boxes a strip footing resists from 23 % too little to 8 % too much"
+        error = "beside boxes a strip footing resists up to 8 % too much"
     return (
         f"body '{body.name}' is a mesh and flows: {100 * share:.3g} % of its domains have a plastic shear "
         f"strain above {100 * limits.MESH_FLOW_STRAIN:g} %, and their edges stay straight where the flow "

@@ -31,7 +31,7 @@ INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + SINGLE_PRECISION, 1.5, 2.0
 FLOW_STRAIN, FLOW_SHARE = 1e-3, 0.01
 # Plastic shear strain from which on a domain of a mesh flows, and the share of a mesh with F-bar that may
 # flow unsaid. A hybrid strip footing has 0.05 and 0.11 of its mesh beyond that strain while its load is
-# right, and 0.34 where it is 8 % too high and begins to fall.
+# right, and 0.34 where it is 8 % too high.
 MESH_FLOW_STRAIN, MESH_FLOW_SHARE = 0.01, 0.1
 # Poisson's ratio from which on particles without F-bar are warned of: a strip load settles 2 % less than with
 # F-bar at 0.45, 4 % at 0.475, 8 % at 0.49 and 42 % at 0.499 (0.5 % at 0.4). And the volume of a particle, in

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Slopes on a foundation (Griffiths & Lane 1999), and slopes of clay beside slip circles, whose least factors
-are those of Taylor's chart (1937) for phi = 0."""
+are those of Taylor's chart (1937) for phi = 0; a slope on a thin weak layer beside three wedges."""
 
 import importlib
 
@@ -116,6 +116,46 @@ def test_control_without_fbar_a_slope_of_clay_stands_too_long():
 )
 def test_more_slopes_of_clay(name, cell, verified):
     verified(*factorOfClay(name, cell))
+
+
+WEAK = 2.5, 1.0, 50.0  # m below the toe, m thick; kPa, the strength of the clay round it
+
+
+def factorOfWedges(strength):
+    """Least factor of three wedges: the middle one slides on the weak layer, the others at 45 degrees."""
+    depth, _, around = WEAK
+    least = np.inf
+    for behind in np.arange(0.5 * H, 2 * H + 0.1, 0.5):  # the crest ends at 2 H, the toe is at 4 H
+        for front in np.arange(3 * H, 5.5 * H, 0.5):
+            high, low = H + depth, max(0.0, H - max(0.0, front - 2 * H) / 2) + depth
+            resists = 2 * around * (high + low) + strength * (front - behind)
+            least = min(least, resists / (WEIGHT * (high**2 - low**2) / 2))
+    return least
+
+
+@pytest.mark.verifies(
+    "Slope of clay on a thin weak layer: factor of safety", reference="three wedges (Janbu)", tolerance=0.05
+)
+@pytest.mark.parametrize("strength", [10.0, pytest.param(20.0, marks=pytest.mark.slow)])
+def test_a_slope_slides_on_a_thin_weak_layer(strength, verified):
+    """The kind of Griffiths & Lane's third slope: 2:1, one cell of weak clay below the toe. The slip circle
+    of the clay alone has 1.47."""
+    depth, thick, around = WEAK
+    weak = mpm.box((H, H - depth - thick / 2), (5 * H, H - depth + thick / 2))
+    slopes = mpm.polygon([(0, H), (4 * H, H), (2 * H, 2 * H), (0, 2 * H)])
+
+    def build():
+        scene = mpm.Scene((0, 0), (6 * H, 2 * H + 2), cell=1.0, gravity=9.81, threads=1)
+        scene.fix("bottom")
+        scene.roller("left", "right")
+        scene.add("clay", slopes + mpm.box((0, 0), (6 * H, H)) - weak, clay(around)())
+        scene.add("weak", weak, clay(strength)())
+        return scene
+
+    expected = factorOfWedges(strength)
+    found = mpm.safety(build, between=(0.95 * expected, 1.1 * expected), within=0.03, progress=False)
+    verified(found.factor, expected)
+    assert expected < 0.9 * 1.47
 
 
 def sand():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The mean stress of meshes beside boxes: a domain that lies in two cells carries none from one to the other."""
+"""The mean stress of meshes beside boxes: a domain in two cells carries none from one to the other."""
 
 from math import radians
 

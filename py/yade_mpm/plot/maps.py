@@ -36,7 +36,9 @@ def terrainMaps(maps):
     isReached = np.isfinite(maps.arrival)
     for one, (name, label, colours) in zip(axes.flat, SHOWN):
         one.contour(x, y, ground.heights.T, LINES, colors="0.7", linewidths=0.5)
-        values = np.ma.masked_where(~isReached | (getattr(maps, name) < LEAST), getattr(maps, name))
+        values = np.ma.masked_where(
+            ~isReached | (getattr(maps, name) < LEAST.get(name, -np.inf)), getattr(maps, name)
+        )
         colourBar(one, one.pcolormesh(x, y, values.T, cmap=colours, shading="nearest"), label)
         one.set_aspect("equal")
     for one in axes.flat[-1:] if wide else axes[-1]:

@@ -224,6 +224,13 @@ def test_a_layer_has_the_volume_of_its_raster_and_keeps_it_at_rest():
     assert np.isnan(maps.arrival).sum() > 20 and (maps.arrival[5:11, 3:6] == 0).all()
 
 
+def test_maps_are_drawn_where_the_flow_came():
+    scene, _, maps, _, depth = layered()
+    scene.run(steps=2, progress=False)
+    drawn = [axes.collections[-1].get_array() for axes in mpm.plot.terrainMaps(maps).axes[:4]]
+    assert all(0 < np.ma.count(values) < depth.size for values in drawn)
+
+
 def test_threads_and_a_restart_change_no_bit_on_terrain():
     scene = withAnyThreads(lambda threads: layered(threads)[0], 30)
     other = restarted(scene, 20)

@@ -118,4 +118,8 @@ class HasEngines:
 
     def timing(self) -> Timing:
         """Dict engine -> (seconds, calls) since the scene was made; print it to see where threads wait."""
-        return Timing(self.engines)
+        engines = {e.label or type(e).__name__: e for e in self.engines}
+        return Timing(
+            {name: (e.seconds, e.calls) for name, e in engines.items()},
+            {name: e._core.threadUse for name, e in engines.items()},
+        )

@@ -20,15 +20,22 @@ class Timing(dict):
     All but `threads` are None before a run on two threads or more.
     """
 
-    def __init__(self, engines):
-        names = [e.label or type(e).__name__ for e in engines]
-        super().__init__((name, (e.seconds, e.calls)) for name, e in zip(names, engines))
-        self.threads = {name: e._core.threadUse for name, e in zip(names, engines)}
+    def __init__(self, times, threads):
+        super().__init__(times)
+        self.threads = threads
         alone, busy, waiting = map(sum, zip(*self.threads.values()))
         isMeasured = busy > 0
         self.alone = alone / (alone + busy) if isMeasured else None
         self.imbalance = (busy + waiting) / busy if isMeasured else None
         self.bound = 1 / (self.alone + (1 - self.alone) / CORES) if isMeasured else None
+
+    def since(self, earlier: Timing) -> Timing:
+        """What has come since an earlier call of `scene.timing`. A first step sorts all particles."""
+
+        def less(now, before):
+            return {name: tuple(a - b for a, b in zip(now[name], before[name])) for name in now}
+
+        return Timing(less(self, earlier), less(self.threads, earlier.threads))
 
     def __repr__(self):
         width = max(map(len, self))

@@ -128,7 +128,7 @@ template <int Dim> struct BindScene {
         if (!f.found) return bp::object();
         bp::dict d;
         d["meshed"] = f.meshed;
-        d["boxes"] = f.boxes;
+        d["other"] = f.other;
         d["where"] = f.where;
         d["edge"] = f.edge;
         d["initialEdge"] = f.initialEdge;

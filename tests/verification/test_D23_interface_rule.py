@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""D23: an APDI mesh must be as fine as the grid where it meets uGIMP particles.
+"""D23: an APDI mesh must be as fine as the grid where it meets uGIMP particles or the mesh of another group.
 
 Set-up: a block of uGIMP beside a block of APDI of edge 2h, h, h/2, side by side, on top, and apart.
 Reference: an edge longer than h within one cell of a uGIMP particle is refused, with both bodies, the place
@@ -57,6 +57,36 @@ def test_edges_up_to_a_cell_run(axis, edge):
     scene = hybrid(edge, axis)
     scene.run(steps=2, progress=False)
     assert scene.steps == 2
+
+
+def meshes(edge, group="upper", gap=0.0):
+    """Two meshes that press on each other with 10 kPa in a box, edges h below, `edge` above."""
+    scene = mpm.Scene(lower=(0, 0), upper=(6, 4), cell=H, threads=1, damping=0.7)
+    scene.roller("left", "right", "bottom", "top")
+    law = mpm.LinearElastic(**SOIL)
+    lower = scene.add("lower", box((0, 0), (6, 2)), law, mpm.APDI(size=H), group="lower")
+    upper = scene.add("upper", box((0, 2 + gap), (6, 4)), law, mpm.APDI(size=edge), group=group)
+    if group != "lower":
+        scene.contact(upper, lower)
+    for body in (lower, upper):
+        body.stress = np.broadcast_to(-10 * np.eye(3), (body.count, 3, 3))
+    return scene
+
+
+def test_a_mesh_coarser_than_the_grid_beside_that_of_another_group_is_refused(monkeypatch):
+    """Nodes between its vertices do not feel it: of a uniform pressure a third is lost in 40 steps."""
+    with pytest.raises(ValueError, match="an edge of 1 m is longer than the cell .* mesh of another group"):
+        meshes(2 * H).prepare()
+    for scene in (meshes(2 * H, group="lower"), meshes(2 * H, gap=1.0)):
+        scene.prepare()
+    for edge in (2 * H, H):
+        scene = meshes(edge)
+        if edge > H:  # the control
+            for name in ("INTERFACE_BUILD", "INTERFACE_RUN"):
+                monkeypatch.setattr(mpm.check.limits, name, 10.0)
+        scene.run(steps=40, progress=False)
+        lost = 1 + scene["upper"].stress[:, 1, 1].mean() / 10
+        assert lost > 0.2 if edge > H else abs(lost) < 1e-9
 
 
 def test_coarse_domains_are_allowed_a_cell_away():

@@ -9,49 +9,69 @@ namespace {
 
 // Part of a cell that a box must be nearer than: a mesh that begins one cell away does not meet it.
 constexpr double nearlyOne = 1 - 1e-6;
-// Half size of a box, in the smallest cells, at most: how far one reaches beyond the cell that its centre is in.
-constexpr double largestHalf = 0.5;
+template <int Dim> struct Extent {
+    Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
 
-// Particles of bodies with box domains, by the cells of the grid.
-template <int Dim> struct Boxes {
+    bool isNear(const Extent& other, const Vec<Dim>& reach) const {
+        return (upper.array() > (other.lower - reach).array()).all() &&
+               (lower.array() < (other.upper + reach).array()).all();
+    }
+    Vec<Dim> centre() const { return 0.5 * (lower + upper); }
+};
+
+template <int Dim> Extent<Dim> extentOf(const Body<Dim>& body, int p) {
+    Extent<Dim> extent;
+    if (auto* mesh = body.domains->mesh()) {
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const Vec<Dim> X =
+                vectorAt<Dim>(mesh->vertexPositions(), mesh->cornerTable()[corners<Dim> * p + a]);
+            extent.lower = extent.lower.cwiseMin(X);
+            extent.upper = extent.upper.cwiseMax(X);
+        }
+        return extent;
+    }
+    const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p), half = body.domains->boxes()->halfSize();
+    return {x - half, x + half};
+}
+
+// All domains that a mesh may meet, by the cells of the grid.
+template <int Dim> struct Neighbours {
     const Grid<Dim>& grid;
     struct Entry {
         const Body<Dim>* body;
-        int particle;
+        Extent<Dim> extent;
     };
     std::vector<Entry> entries;
     CellBins<Dim> cells;
+    Vec<Dim> largestHalf = Vec<Dim>::Zero(); // how far one reaches beyond the cell that its centre is in, m
 
-    explicit Boxes(const Scene<Dim>& scene) : grid(scene.grid) {
+    explicit Neighbours(const Scene<Dim>& scene) : grid(scene.grid) {
         for (auto& body : scene.bodies) {
-            if (body->type->isMeshed()) continue;
-            for (int p = 0; p < body->particles.size(); ++p) entries.push_back({body.get(), p});
+            if (body->type->isMeshed() && scene.groups.size() == 1) continue;
+            for (int p = 0; p < body->particles.size(); ++p) {
+                entries.push_back({body.get(), extentOf(*body, p)});
+                const Extent<Dim>& extent = entries.back().extent;
+                largestHalf = largestHalf.cwiseMax(0.5 * (extent.upper - extent.lower));
+            }
         }
-        cells.fill(grid, int(entries.size()), [&](int i, int k) {
-            return entries[i].body->particles.position.plane(k)[entries[i].particle];
-        });
+        cells.fill(grid, int(entries.size()), [&](int i, int k) { return entries[i].extent.centre()[k]; });
     }
-    // The first box closer than `reach` to the region [lower, upper].
-    const Entry* near(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& reach) const {
-        const Vec<Dim> margin = reach + largestHalf * grid.smallestCell();
+    // The first body with boxes or of another group that is closer than `reach` to a domain of a mesh.
+    const Body<Dim>* near(const Body<Dim>& mesh, const Extent<Dim>& extent, const Vec<Dim>& reach) const {
+        const Vec<Dim> margin = reach + largestHalf;
         Index<Dim> first, last;
-        if (!cells.range(grid, lower - margin, upper + margin, first, last)) return nullptr;
-        const Entry* found = nullptr;
+        if (!cells.range(grid, extent.lower - margin, extent.upper + margin, first, last)) return nullptr;
+        const Body<Dim>* found = nullptr;
         CellBins<Dim>::anyOf(grid, first, last, [&](int bin, const Index<Dim>&) {
-            for (int j = cells.bins().begin(bin); j < cells.bins().end(bin) && !found; ++j)
-                if (const Entry& entry = entries[cells.bins().point(j)]; close(entry, lower, upper, reach))
-                    found = &entry;
+            for (int j = cells.bins().begin(bin); j < cells.bins().end(bin) && !found; ++j) {
+                const Entry& entry = entries[cells.bins().point(j)];
+                const bool isOne =
+                    entry.body->type->isMeshed() && entry.body->velocityField == mesh.velocityField;
+                if (!isOne && entry.extent.isNear(extent, reach)) found = entry.body;
+            }
             return found != nullptr;
         });
         return found;
-    }
-    static bool close(const Entry& entry, const Vec<Dim>& lower, const Vec<Dim>& upper,
-                      const Vec<Dim>& reach) {
-        const Vec<Dim> x = vectorAt<Dim>(entry.body->particles.position, entry.particle);
-        const Vec<Dim> half = entry.body->domains->boxes()->halfSize();
-        for (int k = 0; k < Dim; ++k)
-            if (!(x[k] + half[k] > lower[k] - reach[k] && x[k] - half[k] < upper[k] + reach[k])) return false;
-        return true;
     }
 };
 
@@ -59,29 +79,20 @@ template <int Dim> struct Boxes {
 
 template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit) {
     InterfaceFault fault;
-    std::unique_ptr<Boxes<Dim>> boxes;
+    std::unique_ptr<Neighbours<Dim>> neighbours;
     for (auto& body : scene.bodies) {
         auto* mesh = body->domains->mesh();
         if (!mesh || body->domains->section) continue; // of a beam soil meets the edges along it
-        const auto& corner = mesh->cornerTable();
         for (int p = 0; p < body->particles.size(); ++p) {
             const double edge = mesh->longestEdge(p);
             const Vec<Dim> cell = scene.grid.sizeAt(vectorAt<Dim>(body->particles.position, p));
             const double shortest = cell.minCoeff();
             if (edge <= limit * shortest || edge * fault.cell <= fault.edge * shortest) continue;
-            if (!boxes) boxes = std::make_unique<Boxes<Dim>>(scene);
-            Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
-            for (int a = 0; a < corners<Dim>; ++a) {
-                const Vec<Dim> X = vectorAt<Dim>(mesh->vertexPositions(), corner[corners<Dim> * p + a]);
-                lower = lower.cwiseMin(X);
-                upper = upper.cwiseMax(X);
-            }
-            const Vec<Dim> reach = nearlyOne * cell;
-            if (auto* entry = boxes->near(lower, upper, reach)) {
-                fault = {
-                    true, body->name,           entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))),
-                    edge, mesh->initialEdge(p), shortest};
-            }
+            if (!neighbours) neighbours = std::make_unique<Neighbours<Dim>>(scene);
+            const Extent<Dim> extent = extentOf(*body, p);
+            if (auto* other = neighbours->near(*body, extent, nearlyOne * cell))
+                fault = {true, body->name,           other->name, place(extent.centre()),
+                         edge, mesh->initialEdge(p), shortest};
         }
     }
     return fault;

@@ -13,32 +13,33 @@ HELD = 0.4  # of a cell: the way of a Hold from which on its load falls, measure
 
 
 def checkInterface(scene, limit):
-    """Refuses APDI edges that are too long beside uGIMP particles.
+    """Refuses APDI edges that are too long beside uGIMP particles, or beside a mesh of another group.
 
     Parameters
     ----------
     scene : Scene
-    limit : float, cells; longer edges within one cell of uGIMP raise ValueError (in a run RuntimeError).
+    limit : float, cells; longer edges within one cell of these raise ValueError (in a run RuntimeError).
 
     Returns what is wrong with the longest of those above INTERFACE_WARN, as text; or None.
     """
     fault = scene._core.interfaceFault(min(limit, limits.INTERFACE_WARN))
     if fault is None:
         return None
-    meshed, boxes, where = fault["meshed"], fault["boxes"], fault["where"]
+    meshed, other, where = fault["meshed"], fault["other"], fault["where"]
     edge, initial = fault["edge"], fault["initialEdge"]
     cell = fault["cell"]
-    place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
+    place = f"interface of '{meshed}' and '{other}' near {where}: an edge"
+    isMesh = scene[other].type._core.isMeshed
+    beside = "within one cell of " + ("a mesh of another group" if isMesh else "uGIMP particles")
     if initial > limits.INTERFACE_BUILD * cell:
         text = (
-            f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP "
-            f"particles; refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
+            f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m {beside}; "
+            f"refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
         )
     else:
         text = (
-            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one "
-            "cell "
-            f"of uGIMP particles, where the stress becomes wrong beyond one cell (a run ends at "
+            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, {beside}, "
+            f"where the stress becomes wrong beyond one cell (a run ends at "
             f'{limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion="convert")'
         )
     if edge > limit * cell:

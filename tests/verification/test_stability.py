@@ -4,6 +4,9 @@
 by far, and weaker soil has a smaller factor."""
 
 import importlib
+import multiprocessing
+import os
+import signal
 
 import numpy as np
 import pytest
@@ -115,6 +118,49 @@ def test_trials_do_not_contradict_each_other_where_the_first_ones_fail():
     assert not found.trials[0].fails
 
 
+def test_trials_side_by_side_find_the_same_factor(monkeypatch):
+    """From (1, 2) to (2, 4), then a quarter of what is left. The same factors give the same bits."""
+    rounds, callEach = [], rules.callEach
+    monkeypatch.setattr(
+        rules, "callEach", lambda f, each, what: rounds.append(each) or callEach(f, each, what)
+    )
+    one, many = (mpm.safety(block(8.0), within=0.25, progress=False, jobs=n) for n in (1, 3))
+    assert many.fails - many.stands <= 0.25 and many.factor == pytest.approx(one.factor, abs=0.25)
+    assert [len(each) for each in rounds] == [3, 3, 3] and len(many.trials) == 10
+    moved, again = ({t.factor: t.displacement for t in found.trials} for found in (one, many))
+    both = moved.keys() & again.keys()
+    assert {1.0, 2.0, 4.0} <= both and all(moved[f] == again[f] for f in both)
+    body = many.scene["soil"]
+    assert np.linalg.norm(body.displacement, axis=1).max() == again[many.fails]
+    assert many.scene._threads == 1 and multiprocessing.active_children() == []
+
+
+def refuse():
+    raise ValueError("no such thing")
+
+
+@pytest.mark.parametrize(
+    "jobs, end, told",
+    [
+        (1, refuse, "safety: the trial at factor 1.5 ended with ValueError: no such thing"),
+        (2, refuse, "safety: the trial at factor 1.5 ended with ValueError: no such thing"),
+        (
+            2,
+            lambda: os.kill(os.getpid(), signal.SIGKILL),
+            r"safety: the trial at factor 1.5 was ended by the system \(-9\), .*; give fewer jobs",
+        ),
+    ],
+    ids=["alone", "beside others", "killed"],
+)
+def test_a_trial_that_ends_tells_its_factor(jobs, end, told, monkeypatch):
+    watch = rules._Search._watch
+    monkeypatch.setattr(rules._Search, "_watch", lambda *a: end() if a[2] == 1.5 else watch(*a))
+    monkeypatch.setattr(rules, "HOLD", 0.5)
+    with pytest.raises(RuntimeError, match=told):
+        mpm.safety(block(8.0), between=(1.25, 1.5 if jobs == 1 else 1.75), progress=False, jobs=jobs)
+    assert multiprocessing.active_children() == []
+
+
 def test_a_mast_that_falls_on_the_slope_is_no_failure_of_the_ground():
     """What moves the farthest, and the height, are the ground's; control: the mast alone moves by more."""
 
@@ -207,6 +253,8 @@ def test_what_cannot_be_judged_is_refused(build, kind, message):
         mpm.safety(build)
     with pytest.raises(ValueError, match="between = .2, 1. is not allowed; give two factors"):
         mpm.safety(build, between=(2, 1))
+    with pytest.raises(ValueError, match="jobs = 0 is not allowed; give a whole number from 1 on"):
+        mpm.safety(build, jobs=0)
 
 
 def elastic():

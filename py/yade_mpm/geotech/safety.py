@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
+from .. import _core
+from ..base.kinds import COUNT, FLAG, FUNCTION, POSITIVE, takes
 from ..base.wording import shown
 from ..diagnostics.drainage import consolidation
 from ..engine.callback import PyRunner
@@ -28,6 +29,7 @@ from ..io.history import History
 from ..io.recorder import Recorder
 from ..scene.restoring import load
 from ..scene.scene import Scene
+from .sideBySide import callEach
 from .strength import divideStrength
 
 DAMPING = 0.3  # -, local, where the scene has less
@@ -65,8 +67,8 @@ class Safety:
     def __init__(self, trials, height, scene):
         self.trials = sorted(trials, key=lambda trial: trial.factor)
         self.height, self.scene = height, scene
-        self.stands = max(t.factor for t in trials if not t.fails)
         self.fails = min(t.factor for t in trials if t.fails)
+        self.stands = max(t.factor for t in trials if not t.fails and t.factor < self.fails)
         self.factor = 0.5 * (self.stands + self.fails)
 
     def plot(self, file=None, references=None):
@@ -91,8 +93,8 @@ class Safety:
         )
 
 
-@takes(build=FUNCTION, within=POSITIVE, progress=FLAG)
-def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
+@takes(build=FUNCTION, within=POSITIVE, progress=FLAG, jobs=COUNT)
+def safety(build, between=(1.0, 2.0), within=0.02, progress=True, jobs=1):
     """Factor of safety by strength reduction: cohesion, tan(phi) and strength of all soils are divided by it.
 
         def build():
@@ -112,12 +114,14 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
         search goes on beyond them if it has to, from 0.05 to 20.
     within : width of the interval at which the search ends, -; default 0.02.
     progress : bool, tells each trial in a line; default True.
+    jobs : trials at once; default 1, bisection. Each has a process, its memory and its share of the cores;
+        they divide the interval into jobs + 1 parts. Any build() will do.
 
     Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
     their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3
     at least. psi is never above phi. Water drains as in the long term. Raises TypeError where build() returns
     no scene, ValueError without gravity or without a soil whose strength can be divided, RuntimeError where
-    the ground stands or fails at all factors.
+    the ground stands or fails at all factors, or a trial ends with an error.
 
     Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that
     do not come to rest).
@@ -127,11 +131,12 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
     with search:
         while search.fails(low):
             low, high = low / 2, low
-        while not search.fails(high):
-            low, high = high, 2 * high
-        while high - low > within:
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if search.fails(middle) else (middle, high)
+        fails = None
+        while fails is None:
+            low, fails = search.narrow(low, [*_between(low, high, jobs), high])
+            high *= 2
+        while fails - low > within:
+            low, fails = search.narrow(low, _between(low, fails, jobs + 1), fails)
     return Safety(search.trials, search.height, search.failed)
 
 
@@ -176,12 +181,18 @@ def _factors(between):
     return float(between[0]), float(between[1])
 
 
+def _between(low, high, parts):
+    """Factors that divide an interval into equal parts."""
+    return [(low * (parts - i) + high * i) / parts for i in range(1, parts)]
+
+
 class _Search:
-    """Trials at one factor after another; all begin where the ground stood at the smallest factor."""
+    """Trials; all begin where the ground stood at the smallest factor."""
 
     def __init__(self, build, progress):
         self._build, self._progress = build, progress
         self.trials, self.scene, self.failed, self._stood = [], None, None, None
+        self._share = None  # threads of a trial beside others
 
     def __enter__(self):
         self._folder = tempfile.TemporaryDirectory(prefix="safety")
@@ -192,33 +203,77 @@ class _Search:
 
     def fails(self, factor):
         """Whether the ground fails at a factor."""
+        self._check(factor)
+        trial = self._try(factor)
+        if not trial.fails and self._stood is None:
+            self._stood = os.path.join(self._folder.name, "stands.h5")
+            self.trials = []  # those before it began with the ground without stress
+            self.scene.save(self._stood)
+        self._note(trial)
+        if trial.fails and factor == min(t.factor for t in self.trials if t.fails):
+            self.failed = self.scene
+        return trial.fails
+
+    def narrow(self, low, factors, high=None):
+        """The interval within which the ground begins to fail, after trials side by side at factors between
+        its ends.
+
+        factors : rising. high : the upper end, or None where none is known yet, neither after them perhaps.
+        """
+        if len(factors) == 1:
+            return (low, factors[0]) if self.fails(factors[0]) else (factors[0], high)
+        self._check(factors[-1])
+        self._share = max(1, _core.availableThreads() // len(factors))
+        trials = callEach(self._tryAndSave, factors, "safety: the trial at factor")
+        for trial in trials:
+            self._note(trial)
+        first = next((i for i, trial in enumerate(trials) if trial.fails), len(trials))
+        if first < len(trials):
+            self.failed, high = load(self._file(factors[first])), factors[first]
+            self.failed.threads = self._given
+        return [low, *factors][first], high
+
+    def _check(self, factor):
         if not FARTHEST[0] <= factor <= FARTHEST[1]:
             raise RuntimeError(
                 f"safety: the ground {'fails' if factor < 1 else 'stands'} at every factor from "
                 f"{FARTHEST[0]:g} to {FARTHEST[1]:g}; look at single trials with scene.run(), and at what "
                 "holds the ground"
             )
+
+    def _try(self, factor):
         self.scene, ramp = self._loaded(factor) if self._stood else self._new(factor)
-        trial = self._watch(self.scene, factor, ramp)
+        try:
+            return self._watch(self.scene, factor, ramp)
+        except Exception as error:
+            raise RuntimeError(
+                f"safety: the trial at factor {factor:.4g} ended with {type(error).__name__}: {error}"
+            ) from error
+
+    def _tryAndSave(self, factor):
+        """A trial beside others, which leaves its scene in a file where it fails."""
+        trial = self._try(factor)
+        if trial.fails:
+            self.scene.save(self._file(factor))
+        return trial
+
+    def _file(self, factor):
+        return os.path.join(self._folder.name, f"{factor!r}.h5")
+
+    def _note(self, trial):
         self.trials.append(trial)
         if self._progress:
             print(
-                f"safety: {'fails' if trial.fails else 'stands'} at {factor:.4g}, moved "
+                f"safety: {'fails' if trial.fails else 'stands'} at {trial.factor:.4g}, moved "
                 f"{trial.displacement:.3g} m"
             )
-        if not trial.fails and self._stood is None:
-            self._stood = os.path.join(self._folder.name, "stands.h5")
-            self.trials = [trial]  # those before it began with the ground without stress
-            self.scene.save(self._stood)
-        if trial.fails and factor == min(t.factor for t in self.trials if t.fails):
-            self.failed = self.scene
-        return trial.fails
 
     def _new(self, factor):
         """A scene of the user's with weaker soil, and over how long its gravity grows, s."""
         built = self._build()
         if not isinstance(built, Scene):
             raise TypeError(f"safety: build() returns {type(built).__name__}; return the scene")
+        self._given = built._threads
         scene = self._copy(built)  # with materials of its own: those of build() keep their strength
         self._gravity = np.array(scene._gridSolver("safety").gravity, float)
         if not self._gravity.any():
@@ -240,6 +295,8 @@ class _Search:
 
     def _loaded(self, factor):
         scene = load(self._stood)
+        if self._share:
+            scene.threads = min(scene.threads, self._share)
         divideStrength(scene, factor / self.trials[0].factor)
         return scene, 0.0
 

@@ -100,7 +100,7 @@ template <int Dim> class StrainedNodes {
     template <class EntryOf, class IsIn>
     void findBeam(const Mesh<Dim>& mesh, int p, EntryOf&& entryOf, IsIn&& isIn) {
         Strained& particle = particles.back();
-        typename Mesh<Dim>::Rows rows;
+        typename Mesh<Dim>::Rows rows = {}; // a tie has fewer than an element
         particle.rows = mesh.beamRows(
             p,
             [&](int node, const double(*row)[Dim]) {

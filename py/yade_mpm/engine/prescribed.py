@@ -308,6 +308,7 @@ class MotionTable(Callback):
         super().__init__(iterPeriod=1, label=label)
         self._motion = motion
         self._rows = velocityRows("MotionTable", table, None, np.shape(table)[1] - 1)
+        self._given = None  # the velocity that the motion has of it
 
     motion = property(lambda self: self._motion, doc="Name of what it moves.")
     rows = property(lambda self: self._rows, doc="Of the table; nan along free axes.")
@@ -326,10 +327,41 @@ class MotionTable(Callback):
             np.trapz(np.interp(times, self.rows[:, 0], v), times) / (end - start) for v in self.rows.T[1:]
         ]
 
+    def state(self):
+        return {"given": self._given}
+
+    def restoreState(self, state):
+        self._given = state.get("given")
+
+    def bind(self, scene):
+        super().bind(scene)
+        if not self.dead:
+            self._moved(scene.drives)
+
+    def _moved(self, motions):
+        """What it moves. ValueError where that is gone, or has a velocity that is not of the table."""
+        out = f"take the engine '{self.label}' out of scene.engines"
+        if self.motion not in motions:
+            raise ValueError(
+                f"MotionTable: '{self.motion}' is no drive or hold of the scene any more; {out}, too"
+            )
+        motion = motions[self.motion]
+        if self._given is not None and list(motion.velocity) != self._given:
+            raise ValueError(
+                f"MotionTable: '{self.motion}' was given {motion.velocity} m/s, and moves by a table; {out} and "
+                "give the velocity then"
+            )
+        return motion
+
+    def take(self, motion):
+        """Begins with the velocity that a motion has."""
+        self._given = list(motion.velocity)
+
     def act(self, scene):
-        motion = next(m for m in scene.constraints if m.name == self.motion)
+        motion = self._moved(scene.drives)
         means = self.mean(scene.time, scene.time + scene.stepper.dt)
         motion.velocity = withFreeAxes([means])[0]
+        self.take(motion)
 
 
 def withFreeAxes(rows):

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.attributes import didYouMean
+from ..base.warn import warnUser
 from ..base.wording import shown
 from ..diagnostics.certificate import Certificate
 from ..diagnostics.certificate import quasiStatic as certificateOf
@@ -164,6 +165,12 @@ def drive(
         scene.engines.insert(0, steering)
     if rows is not None:
         table = MotionTable(motion.name, withFreeAxes(rows), label=f"{motion.name}.velocity")
+        table.take(motion)
+        if len(rows) > 1 and rows[-1, 0] <= scene.time:
+            warnUser(
+                f"drive: the table of '{motion.name}' ends at {rows[-1, 0]:g} s, and the scene's time is "
+                f"{scene.time:.4g} s: its last row counts; give times from scene.time on"
+            )
         scene.engines.insert(0, table)
     scene._asked.add(solver)
     scene.stepper.noteChange()

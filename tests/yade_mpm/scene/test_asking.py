@@ -124,6 +124,33 @@ def testAVelocityMayBeATableWhoseIntegralIsThePath(dt, isHold, tmp_path):
     assert press.velocity == (None, 0)
 
 
+def testAVelocityGivenBesideATableIsRefused(tmp_path):
+    """It was replaced in silence; without its motion the table ended the run by a bare StopIteration."""
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    body = block(scene, lower=(1, 1))
+    press = scene.drive(body, velocity=TABLE, name="press")
+    scene.dt = 5e-4
+    scene.run(steps=40, progress=False)
+    scene.save(tmp_path / "part.h5")
+    again = mpm.load(tmp_path / "part.h5")
+    for one in (scene, again):
+        one.drives["press"].velocity = (None, 0)
+        with pytest.raises(ValueError, match="'press' was given .None, 0.0. m/s, and moves by a table"):
+            one.run(steps=1, progress=False)
+    before = body.position.copy()
+    scene.engines.remove(scene.engines[0])
+    scene.run(steps=10, progress=False)
+    assert body.position == pytest.approx(before)
+    solver = next(e for e in again.engines if type(e).__name__ == "GridSolver")
+    solver.drives.clear()
+    with pytest.raises(
+        ValueError, match="'press' is no drive or hold of the scene any more; take the engine"
+    ):
+        again.run(steps=1, progress=False)
+    with pytest.warns(UserWarning, match="table of 'late' ends at 0.01 s, and the scene's time is 0.025 s"):
+        scene.drive(body, velocity=[(0, 0, 1), (0.01, 0, 0)], name="late")
+
+
 def testDescribeTellsATable():
     scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
     scene.drive(block(scene, lower=(1, 1)), velocity=TABLE, name="press")

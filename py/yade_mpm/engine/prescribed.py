@@ -348,8 +348,8 @@ class MotionTable(Callback):
         motion = motions[self.motion]
         if self._given is not None and list(motion.velocity) != self._given:
             raise ValueError(
-                f"MotionTable: '{self.motion}' was given {motion.velocity} m/s, and moves by a table; {out} and "
-                "give the velocity then"
+                f"MotionTable: '{self.motion}' was given {motion.velocity} m/s, and moves by a table; {out} "
+                "and give the velocity then"
             )
         return motion
 

@@ -128,7 +128,7 @@ def testAVelocityGivenBesideATableIsRefused(tmp_path):
     """It was replaced in silence; without its motion the table ended the run by a bare StopIteration."""
     scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
     body = block(scene, lower=(1, 1))
-    press = scene.drive(body, velocity=TABLE, name="press")
+    scene.drive(body, velocity=TABLE, name="press")
     scene.dt = 5e-4
     scene.run(steps=40, progress=False)
     scene.save(tmp_path / "part.h5")

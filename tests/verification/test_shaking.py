@@ -185,6 +185,7 @@ def test_a_layer_with_tied_sides_moves_as_one_without_an_end(kind):
         elif how == "column":
             scene.drive(mpm.everywhere(2), velocity=(None, 0))
         scene.viscous("bottom", motion=lambda t: (np.sin(5 * np.pi * t), 0), times=np.arange(0, 1, 0.01))
+        assert ("left, right tied" in scene.describe()) == (how == "tied")
         scene.run(until=0.6, progress=False)
         found[how] = body.velocity[body.reference[:, 1] > 9, 0]
     assert found["tied"] == pytest.approx(found["column"], abs=0.005)
@@ -219,6 +220,31 @@ def test_threads_and_a_checkpoint_change_no_bit(tmp_path):
         scene.run(steps=50, progress=False)
     first, *others = [scene["soil"].position.copy() for scene in scenes]
     assert all(np.array_equal(first, other) for other in others)
+
+
+@pytest.mark.parametrize("isRecord", [True, False])
+def test_a_motion_that_begins_before_the_scene_s_time_is_told(isRecord, tmp_path):
+    """That of rest moves the time on. Control: times that are shifted, and a motion that has not begun."""
+    (tmp_path / "quake.csv").write_text("0, 0\n0.1, 2\n0.2, 0\n")
+
+    def shaken(late, still=0.0):
+        scene, _ = layer(gravity=9.81, cells=20)
+        scene.roller("left", "right")
+        scene.fix("bottom")
+        scene.initialStress(surface=10.0, K0=0.3 / 0.7)
+        scene.settle()
+        quake = mpm.geotech.readRecord(tmp_path / "quake.csv")
+        quake.time += late * scene.time + still
+        rows = np.column_stack((quake.time, quake.velocity))
+        scene.viscous("bottom", motion=quake if isRecord else rows)
+        return scene
+
+    with pytest.warns(UserWarning, match="what comes before is lost; add scene.time"):
+        assert "; bottom viscous; the others are free" in shaken(0).describe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shaken(1)
+        shaken(0, 100.0)
 
 
 def noGround():

@@ -51,7 +51,7 @@ def summary(scene):
     solver = scene._gridSolver("describe")
     yield f"Grid      {_grid(scene)}"
     yield f"Solver    gravity {_vector(scene.gravity)} m/s2, local damping {solver.damping:g}"
-    yield f"Sides     {_sides(solver)}"
+    yield f"Sides     {_sides(scene, solver)}"
     for body in (b for b in scene.bodies if b.count):
         yield from _bodyLines(body)
     yield from _contactLines(scene)
@@ -83,9 +83,15 @@ def _thickness(scene):
     return ", per metre of thickness" if scene.dim == 2 else ""
 
 
-def _sides(solver):
+def _sides(scene, solver):
     told = [f"{', '.join(solver.fixed)} fixed"] if solver.fixed else []
     told += [f"{', '.join(solver.roller)} on rollers"] if solver.roller else []
+    labels = [engine.label for engine in scene.engines]
+    if viscous := [label.split()[1] for label in labels if label.startswith("viscous ")]:
+        told.append(f"{', '.join(viscous)} viscous")
+    across = {"left": "left, right", "front": "front, back"}
+    if tied := [across[label.split()[1]] for label in labels if label.startswith("tied ")]:
+        told.append(f"{', '.join(tied)} tied")
     return "; ".join([*told, "the others are free" if told else "all are free"])
 
 

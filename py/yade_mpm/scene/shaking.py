@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.attributes import didYouMean
+from ..base.warn import warnUser
 from ..base.wording import shown
 from ..engine.engines import classes
 from ..engine.prescribed import FACES
@@ -104,7 +105,7 @@ def viscous(
     sides : names, as of `fix`.
     motion : velocity of the ground at an outcrop of the rock, m/s: a record (along x), rows (time, one
         component per axis) or (time, along x), or a function of the time that gives either, at `times`. Half
-        of it comes in as a wave.
+        of it comes in as a wave. Times are those of the scene, which `settle` moves on.
     times : s, for a function.
     behind : Material of the ground there; default: that of the body at the side.
 
@@ -167,8 +168,18 @@ def _made(scene, side, motion, times, behind):
     )
     if motion is not None:
         rows = _rows(motion, times, scene.dim)
+        _warnOfStart(scene, rows)
         engine.motion = (rows * [1.0, *[0.5] * scene.dim]).ravel().tolist()
     return engine
+
+
+def _warnOfStart(scene, rows):
+    """Warns of a motion that has begun before the time of the scene, such as that of its rest."""
+    if len(rows) > 1 and rows[rows[:, 0] < scene.time, 1:].any():
+        warnUser(
+            f"viscous: the motion begins at {rows[0, 0]:g} s, but the scene is at {scene.time:g} s already: "
+            "what comes before is lost; add scene.time to its times (of a record: quake.time += scene.time)"
+        )
 
 
 def _rows(motion, times, dim):

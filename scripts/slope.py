@@ -5,8 +5,8 @@
 Plane strain, the first example of Griffiths & Lane 1999 (Geotechnique 49, 387-403): a homogeneous slope of
 2:1 and the height H on a firm base, phi = 20 degrees, c = 0.05 gamma H, psi = 0, E = 100 MPa, nu = 0.3. They
 find 1.4, where the slope does not come to rest any more; Bishop & Morgenstern's charts have 1.38. Cohesion
-and tan(phi) are divided by a factor that is bisected; each trial is a run of seconds in which gravity grows
-from zero. Without F-bar soil locks and the slope stands far too long (`--noFbar`).
+and tan(phi) are divided by a factor that is bisected; gravity grows from zero once, and each trial is a
+run of seconds from there. Without F-bar soil locks and the slope stands far too long (`--noFbar`).
 
 Units: Mg, m, s, kPa, per metre of thickness.
 

@@ -116,6 +116,8 @@ def test_trials_do_not_contradict_each_other_where_the_first_ones_fail():
     factors = [trial.factor for trial in found.trials]
     assert len(set(factors)) == len(factors) and found.stands < found.fails
     assert not found.trials[0].fails
+    axes = found.plot(references={"a number": 12.0, "two": (11.0, 13.0)}).axes[1]
+    assert [text.get_text() for text in axes.get_legend().get_texts()][-2:] == ["a number", "two"]
 
 
 def test_trials_side_by_side_find_the_same_factor(monkeypatch):

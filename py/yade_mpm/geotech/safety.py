@@ -78,7 +78,7 @@ class Safety:
         Parameters
         ----------
         file : str, name of the picture; default: none, only the figure.
-        references : dict label -> (low, high), factors to compare with.
+        references : dict label -> factor, or (low, high), to compare with.
 
         Returns the figure.
         """

@@ -9,7 +9,7 @@ from ..plot import figures as plot
 def draw(found, labels, file=None):
     """Figure of the ground as it fails, and of the displacement of every trial beside references.
 
-    found : a `Safety`. labels : dict label -> factors. file : name of a picture; default: none.
+    found : a `Safety`. labels : dict label -> factor or (low, high). file : name of a picture; default: none.
     """
     scene = found.scene
     figure, (left, right) = plot.plt.subplots(
@@ -26,7 +26,11 @@ def draw(found, labels, file=None):
             factors[chosen], moved[chosen] / found.height, style, label="fails" if fails else "stands"
         )
     for label, ends in labels.items():
-        right.axvspan(ends[0], ends[-1], color="0.8", lw=0, label=label)
+        ends = np.atleast_1d(ends)
+        if len(ends) == 1:
+            right.axvline(ends[0], color="0.4", ls="--", label=label)
+        else:
+            right.axvspan(ends[0], ends[-1], color="0.8", lw=0, label=label)
     right.set(xlabel="factor that divides the strength", ylabel="largest displacement / height")
     right.legend()
     if file is not None:

@@ -56,7 +56,7 @@ def build(a):
     scene = mpm.Scene((0, -deep), (half, above), cell, threads=a.threads)
     right, tip = 0.5 * THICKNESS, -START * THICKNESS
     reference.addSoil(scene, box((0, -deep), (half, 0)) - box((0, tip), (right, 0)), a)
-    scene.initialStress(surface=0.0, K0=1.0, gravity=GRAVITY)
+    soils = list(scene.bodies)
     x, y = np.meshgrid(
         np.linspace(0, right, a.cells + 1),
         np.linspace(tip, above - cell, 2 * round((above - cell - tip) / cell) + 1),
@@ -65,6 +65,7 @@ def build(a):
     reference.drive(
         scene, "pile", geotech.quadrilaterals(x, y), a, RAMP, adhesion=a.alpha * STRENGTH, **walls
     )
+    scene.initialStress(surface=0.0, K0=1.0, gravity=GRAVITY, bodies=soils)
     return scene
 
 

@@ -81,12 +81,11 @@ def build(a):
         "soil", zone - hole, clay, mpm.UGIMP(perCell=2, splitAt=1.3), group="soil", fbar=not a.noFbar
     )
     scene.add("far soil", ground - zone, clay, mpm.APDI(matched=near), group="soil", fbar=not a.noFbar)
-    depth = (START + 0.5 * a.way) * RADIUS
-    scene.initialStress(
-        surface=0.0, K0=1 - 2 * a.delta * STRENGTH / (DENSITY * GRAVITY * depth), gravity=GRAVITY
-    )
+    soils, depth = list(scene.bodies), (START + 0.5 * a.way) * RADIUS
+    K0 = 1 - 2 * a.delta * STRENGTH / (DENSITY * GRAVITY * depth)
     walls = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
     reference.drive(scene, "cone", mesh, a, RAMP, adhesion=a.alpha * STRENGTH, **walls)
+    scene.initialStress(surface=0.0, K0=K0, gravity=GRAVITY, bodies=soils)
     return scene
 
 

@@ -76,9 +76,10 @@ def build(a):
     )
     scene.add("far soil", ground - zone, clay, mpm.APDI(matched=soil), group="soil", fbar=not a.noFbar)
     gravity = weight / DENSITY
-    scene.initialStress(surface=0.0, K0=1.0, gravity=gravity)
+    soils = list(scene.bodies)
     walls = dict(gravity=(0, -gravity), damping=0.05, roller=("left", "right"), fixed="bottom")
     reference.drive(scene, "spudcan", shape(a, cell), a, RAMP, adhesion=a.alpha * STRENGTH, **walls)
+    scene.initialStress(surface=0.0, K0=1.0, gravity=gravity, bodies=soils)
     return scene
 
 
@@ -115,7 +116,7 @@ def draw(a, scene, depth, factor, file):
 
 
 def tell(a, s):
-    found = "no clay flows back" if s["cavity"] is None else f"open to {s['cavity']:.2f} D"
+    found = f"no clay lies over it after {a.way:g} D" if s["cavity"] is None else f"open to {s['cavity']:.2f} D"
     return f"{found} (Hossain & Randolph: {s['exact']:.2f} D); load {s['factor']:.1f} su A at the end"
 
 

@@ -92,11 +92,15 @@ def main():
     figure, axes = plot.plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
     axes[0].plot(*FRONT, "ko", label="Martin & Moyce 1952")
     axes[0].plot(times + shift, front, label="water")
-    axes[0].set(xlabel=f"time, with {shift:.2f} for the gate", ylabel="front over width", xlim=(0, 3.3))
+    axes[0].set(
+        xlabel=f"time × √(2g/width), with {shift:.2f} for the gate", ylabel="front over width", xlim=(0, 3.3)
+    )
     axes[1].plot(low, 1 + 1.2 * low, "k", label="Lube et al. 2005")
     axes[1].plot(high, 1 + 1.9 * high ** (2 / 3), "k")
     axes[1].plot(a.aspects, found, "o", label="sand")
-    axes[1].set(xlabel="height over length of the column", ylabel="length of the heap over that")
+    axes[1].set(
+        xlabel="height over length of the column", ylabel="length of the heap over that of the column"
+    )
     axes[2].plot(ratios, 1.42 * ratios ** (2 / 3), "k", label="Nguyen et al. 2015")
     axes[2].plot(a.ratios, heights, "o", label="rods")
     axes[2].set(xlabel="height over length of the column", ylabel="height over the final height")

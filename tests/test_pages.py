@@ -141,7 +141,10 @@ def weakSlopeSlides(names, said):
 
 
 def strengthIsMohrCoulomb(names, said):
-    assert abs(names["drained"].q.max() / names["exact"] - 1) < 1e-6
+    phi = np.radians(32)
+    exact = (2 * 5 * np.cos(phi) + 2 * 100 * np.sin(phi)) / (1 - np.sin(phi))
+    assert abs(names["drained"].q.max() / exact - 1) < 1e-6 and abs(exact - 243.5) < 0.05
+    assert abs(names["fit"].fun).max() < 2 and "\nangle, hardening:" in said
 
 
 def animationIsThere(names, said):

@@ -116,7 +116,9 @@ def draw(a, scene, depth, factor, file):
 
 
 def tell(a, s):
-    found = f"no clay lies over it after {a.way:g} D" if s["cavity"] is None else f"open to {s['cavity']:.2f} D"
+    found = (
+        f"no clay lies over it after {a.way:g} D" if s["cavity"] is None else f"open to {s['cavity']:.2f} D"
+    )
     return f"{found} (Hossain & Randolph: {s['exact']:.2f} D); load {s['factor']:.1f} su A at the end"
 
 

@@ -307,7 +307,8 @@ class MotionTable(Callback):
     def __init__(self, motion: str, table: list, label: str = "") -> None:
         super().__init__(iterPeriod=1, label=label)
         self._motion = motion
-        self._rows = velocityRows("MotionTable", table, None, np.shape(table)[1] - 1)
+        inSpace = all(np.shape(np.array(row, object)) == (4,) for row in table)
+        self._rows = velocityRows("MotionTable", table, None, 3 if inSpace else 2)
         self._given = None  # the velocity that the motion has of it
 
     motion = property(lambda self: self._motion, doc="Name of what it moves.")
@@ -377,7 +378,7 @@ def isTable(velocity):
 def velocityRows(who, velocity, times, dim):
     """Rows (time, velocity along each axis) of a table, or of a function at some times; nan on free axes."""
     rows = [(t, *velocity(t)) for t in times] if callable(velocity) else velocity
-    if any(np.shape(row) != (1 + dim,) for row in rows):
+    if not len(rows) or any(np.shape(np.array(row, object)) != (1 + dim,) for row in rows):
         return timeRows(who, "velocity", rows, dim, None)  # which says what is wrong
     isFree = np.array([[v is None for v in row] for row in rows]).all(axis=0)
     rows = timeRows(who, "velocity", np.where(isFree, 0.0, np.asarray(rows, object)), dim, None)

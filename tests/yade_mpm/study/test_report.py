@@ -149,9 +149,6 @@ def test_the_report_of_the_headline_is_shipped_with_its_findings():
         assert f"<p>{paragraph}</p>" in page
     assert page.count('<tr class="done">') == 24 and page.count("<svg") == 5
     assert not re.search(r'(?:src|href)="(?!#|data:)', page)  # of files that are not there
-    shares = re.search(r'<td class="t">resistance.1.0</td>(.*?)</tr>', page)[1]
-    row = " | ".join(re.findall(r"<td>([\d.]+)</td>", shares)[:-1])
-    assert f"| resistance at 1 m | {row} |" in (HEADLINE.parents[1] / "howto" / "studies.md").read_text()
 
 
 def test_findings_of_a_file_are_in_the_report(out, tmp_path, capsys):

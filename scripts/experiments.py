@@ -84,6 +84,8 @@ def rods(a, ratio):
 
 def main():
     a = PARAMETERS.parse()
+    for several in (a.aspects, a.ratios):  # rows of boxes are half a cell high
+        several[:] = [max(1, round(2 * a.cells * one)) / (2 * a.cells) for one in several]
     times, front = damBreak(a)
     shift = np.median(np.array(FRONT[0]) - np.interp(FRONT[1], front, times))  # the gate
     found = [column(a, aspect) for aspect in a.aspects]
@@ -106,8 +108,14 @@ def main():
     axes[2].set(xlabel="height over length of the column", ylabel="height over the final height")
     for axis in axes:
         axis.legend()
-    print(f"gate {shift:.2f}; height, length of the heap:", *zip(a.aspects, np.round(found, 2).tolist()))
-    print("rods: height, height over the final one:", *zip(a.ratios, np.round(heights, 2).tolist()))
+    print(
+        f"gate {shift:.2f}; height, length of the heap:",
+        *zip(np.round(a.aspects, 2).tolist(), np.round(found, 2).tolist()),
+    )
+    print(
+        "rods: height, height over the final one:",
+        *zip(np.round(a.ratios, 2).tolist(), np.round(heights, 2).tolist()),
+    )
     os.makedirs(a.out, exist_ok=True)
     plot.save(figure, f"{a.out}/experiments.png")
 

@@ -173,8 +173,12 @@ def _overburden(scene, ground, gravity):
     """Weight of what stands straight above each particle over the area of its strip in plan, kPa: (N,) for
     each body. Domains count in the strips of half a cell that they reach, by their part in them."""
     width = 0.5 * scene.cell[:-1]
-    pieces = [_pieces(scene, body, width, gravity, body in ground) for body in scene.bodies if body.count]
+    bodies = [body for body in scene.bodies if body.count]
+    pieces = [_pieces(scene, body, width, gravity) for body in bodies]
+    own = np.repeat(np.arange(len(bodies)), [len(piece[0]) for piece in pieces])
     strip, low, high, weight = (np.concatenate(x) for x in zip(*pieces))
+    for k in (k for k, body in enumerate(bodies) if body not in ground):
+        weight[own == k] *= _heldDown(strip, high, weight, own == k)
     order = np.argsort(strip, kind="stable")
     strip, low, high, weight = strip[order], low[order], high[order], weight[order]
     result = []
@@ -198,9 +202,21 @@ def _stripOf(scene, plan, width):
     return index[:, 0] if len(width) == 1 else index[:, 0] + counts[0] * index[:, 1]
 
 
-def _pieces(scene, body, width, gravity, isGround):
-    """Strip, lower and upper end (m) and weight (kN) of the parts of domains in strips. A structure that
-    floats does not pull the ground below it."""
+def _heldDown(strip, high, weight, isOwn):
+    """Share of the weight of each piece of a structure that counts: one that floats does not pull the ground
+    below it, so no more of its uplift than what stands on it in the strip."""
+    own = strip[isOwn]
+    count = strip.max() + 1
+    top = np.full(count, -np.inf)
+    np.maximum.at(top, own, high[isOwn])
+    isOn = ~isOwn & (high > top[strip])
+    uplift, above = -np.bincount(own, weight[isOwn], count), np.bincount(strip[isOn], weight[isOn], count)
+    share = np.clip(above, 0, np.maximum(uplift, 0)) / np.where(uplift > 0, uplift, 1.0)
+    return np.where(uplift > 0, share, 1.0)[own]
+
+
+def _pieces(scene, body, width, gravity):
+    """Strip, lower and upper end (m) and weight (kN) of the parts of domains in strips."""
     corners = body.corners()
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     first = np.floor((lower[:, :-1] - scene.lower[:-1]) / width + 1e-9).astype(int)
@@ -214,10 +230,7 @@ def _pieces(scene, body, width, gravity, isGround):
         some = part > 0
         strip = _stripOf(scene, left[some] + 0.5 * width, width)
         found.append((strip, lower[some, -1], upper[some, -1], gravity * (part * mass)[some]))
-    strip, lower, upper, weight = (np.concatenate(x) for x in zip(*found))
-    if not isGround:
-        weight = np.where(np.bincount(strip, weight)[strip] > 0, weight, 0.0)
-    return strip, lower, upper, weight
+    return tuple(np.concatenate(x) for x in zip(*found))
 
 
 def _outOfBalance(scene, ground, gravity):

@@ -99,6 +99,27 @@ def test_a_sheet_pile_that_floats_does_not_pull_the_ground_below_it(weight, isFl
     assert -soil.stress[isBelow, 1, 1] == pytest.approx(exact, abs=1e-6)
 
 
+@pytest.mark.parametrize("top", [1.25, 2.0])
+def test_soil_holds_a_light_culvert_down(top):
+    """Below a body of 0.1 Mg/m3 the ground bears what lies above less the uplift, and no tension."""
+    scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1, gravity=G)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    culvert = mpm.box((1.5, 0.75), (2.5, top))
+    water = mpm.PoreWater(table=2)
+    soil = scene.add("soil", mpm.box((0, 0), (4, 2)) - culvert, sand(2.0), mpm.UGIMP(), water=water)
+    steel = mpm.LinearElastic(density=0.1, young=2e6, poisson=0.2)
+    scene.contact(scene.add("culvert", culvert, steel, mpm.APDI(), implicit=True), soil)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the horizontal forces beside it
+        scene.groundStress(K0=0.5)
+    x, y = soil.position.T
+    isBelow = (np.abs(x - 2) < 0.5) & (y < 0.75)
+    on = max((2.0 - 1.0) * (2 - top) - (1.0 - 0.1) * (top - 0.75), 0)
+    exact = G * ((2.0 - 1.0) * (0.75 - y[isBelow]) + on)
+    assert -soil.stress[isBelow, 1, 1] == pytest.approx(exact, abs=1e-6)
+
+
 def test_a_refused_weight_changes_no_mass():
     scene, lower, upper = layers()
     before = lower.mass.copy()

@@ -6,6 +6,7 @@ import numpy as np
 from ..engine.prescribed import FACES
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
+from ..material.materials import isBeam
 from ..material.spatial import largestOf
 from . import limits
 
@@ -69,11 +70,13 @@ def costlyBodies(scene):
     if total < limits.IMPLICIT_SECONDS or engine.seconds <= limits.IMPLICIT_SHARE * total:
         return None
     names = ", ".join(f"'{body.name}'" for body in scene.bodies if body.implicit and body.count)
+    hasBeam = any(isBeam(body.material) for body in scene.bodies if body.implicit and body.count)
+    explicit = "implicit=True out where the step is long enough (scene.criticalTimeStep(asIfExplicit=True))"
+    cure = "draw a Beam thinner (two cells are enough)" if hasBeam else f"leave {explicit}"
     return (
         f"ImplicitBodies: {names} take {100 * engine.seconds / total:.0f} % of the time, "
         f"{1e3 * engine.seconds / engine.calls:.3g} ms in a step. It grows with the cells along a body and "
-        "the square of those across it: give larger cells there, model half of it beside a roller, or leave "
-        "implicit=True out where the step is long enough (scene.criticalTimeStep(asIfExplicit=True))"
+        f"the square of those across it: give larger cells there, model half of it beside a roller, or {cure}"
     )
 
 

@@ -157,7 +157,7 @@ def drive(
             raise ValueError(f"drive: '{body.name}' is in another scene; give a body of this one")
         taken = [m.name for m in (*solver.holds, *solver.drives)]
         part = what.all() if isinstance(what, Body) else what
-        part, name = part if byHeight else part.now(), name or _freeName(body.name, taken)
+        part, name = part if byHeight else part.now(), name or freeName(body.name, taken)
         motion = Drive(part, velocity, ramp, name, byHeight)
         solver.drives.append(motion)
     if function is not None:
@@ -210,8 +210,8 @@ def load(scene, body: Body, where: Region, **options) -> BoundaryLoad:
     return engine
 
 
-def _freeName(name, taken):
-    """A name that no other motion has: with a number where it is taken."""
+def freeName(name, taken):
+    """A name that is not taken: with a number where it is."""
     names = [name, *(f"{name} {k}" for k in range(2, len(taken) + 2))]
     return next(n for n in names if n not in taken)
 

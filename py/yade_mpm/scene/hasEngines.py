@@ -117,8 +117,11 @@ class HasEngines:
         self._core.scheme = name
 
     def timing(self) -> Timing:
-        """Dict engine -> (seconds, calls) since the scene was made; print it to see where threads wait."""
-        engines = {e.label or type(e).__name__: e for e in self.engines}
+        """Dict engine -> (seconds, calls) since the scene was made; print it to see where threads wait.
+        Engines of one kind without labels have numbers."""
+        engines = {}
+        for engine in self.engines:
+            engines[asking.freeName(engine.label or type(engine).__name__, engines)] = engine
         return Timing(
             {name: (e.seconds, e.calls) for name, e in engines.items()},
             {name: e._core.threadUse for name, e in engines.items()},

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 CORES = 16  # that the bound is for
 
 
@@ -32,8 +34,8 @@ class Timing(dict):
     def since(self, earlier: Timing) -> Timing:
         """What has come since an earlier call of `scene.timing`. A first step sorts all particles."""
 
-        def less(now, before):
-            return {name: tuple(a - b for a, b in zip(now[name], before[name])) for name in now}
+        def less(now, before):  # an engine may have come since
+            return {n: tuple(np.subtract(now[n], before.get(n, 0)).tolist()) for n in now}
 
         return Timing(less(self, earlier), less(self.threads, earlier.threads))
 

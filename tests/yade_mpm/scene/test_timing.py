@@ -49,3 +49,18 @@ def test_the_table_has_a_line_of_threads():
     assert text.splitlines()[-1].startswith("threads: ") and "ParticleToGrid" in text
     assert str(block(1)).splitlines()[-1] == "threads: not measured; run on two or more"
     assert block(1).alone is None
+
+
+def test_engines_of_a_kind_have_lines_of_their_own_and_may_come_later():
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1, gravity=9.81)
+    scene.fix("bottom")
+    scene.add("block", box((0, 0), (2, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.2))
+    scene.engines.append(mpm.PyRunner(lambda: time.sleep(SLEEP), iterPeriod=1))
+    scene.dt = 1e-4
+    scene.run(steps=1, progress=False)
+    before = scene.timing()
+    scene.engines.append(mpm.PyRunner(lambda: None, iterPeriod=1))
+    scene.run(steps=2, progress=False)
+    timing = scene.timing().since(before)
+    assert timing["PyRunner"][0] >= 2 * SLEEP > timing["PyRunner 2"][0]
+    assert timing["PyRunner"][1] == timing["PyRunner 2"][1] == 2

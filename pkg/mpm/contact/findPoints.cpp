@@ -26,6 +26,9 @@ constexpr double mostOwned = 0.75;
 // Part of a mesh at a point that boxes face, below which their surface ends there.
 constexpr double leastCovered = 0.75;
 
+// Part of the facets of a vertex below which none is left off planes of symmetry: the rest is round-off.
+constexpr double leastLeft = 1e-6;
+
 // Distance in cells from a plane of symmetry up to which a vertex lies on it.
 constexpr double onPlane = 1e-6;
 
@@ -64,7 +67,7 @@ template <int Dim> struct SmoothVertices {
             const int number = int(&surface - pair.surfaces.data());
             for (const Vertex& near : surface.near) {
                 const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
-                if (!vertex.isFlatter(edgeFlatness)) continue;
+                if (vertex.size <= leastLeft * near.extent || !vertex.isFlatter(edgeFlatness)) continue;
                 all.push_back(vertex);
                 body.push_back(number);
                 bin.push_back(pair.nearby.number(vertex.node));

@@ -96,3 +96,25 @@ def test_a_plane_surface_of_a_mesh_bears_its_exact_load(ground, plate):
     exact = 1e3 * np.log(0.98) / 0.98
     assert contact.forceOn("plate")[1] == pytest.approx(-exact, rel=0.015)
     assert column.stress[:, 1, 1] == pytest.approx(exact, rel=0.015)
+
+
+@pytest.mark.parametrize("nu, left", [(0.2, 0.5), (0.2, 0.75), (0.3, 0.5)])
+def test_meshes_side_by_side_stand_on_a_fixed_floor(nu, left):
+    """A held wall beside elastic soil of a coarser mesh. The facets at the foot of the wall lie on what holds
+    both. Where a vertex with none left counts as one, its normal is no number: the run ends in 20 steps."""
+    h = 0.25
+    scene = mpm.Scene((0, 0), (4, 3), h, gravity=9.81, damping=0.3, threads=1)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    stiff = mpm.LinearElastic(density=2, young=1e5, poisson=0.2)
+    soft = mpm.LinearElastic(density=1.8, young=2e4, poisson=nu)
+    wall = scene.add("wall", box((left, 0), (left + 2 * h, 3)), stiff, mpm.APDI())
+    soil = scene.add("soil", box((left + 2 * h, 0), (4, 2)), soft)
+    contact = scene.contact(wall, soil, friction=0)
+    scene.drive(wall, velocity=(0, 0))
+    scene.initialStress(surface=2, K0=0.43, bodies=[soil])
+    atRest = 0.5 * 0.43 * 1.8 * 9.81 * 2**2  # kN/m
+    for _ in range(40):
+        scene.run(steps=1, progress=False)
+        # the floor bears what presses on its own nodes: 12 % of the thrust with 8 cells in the height
+        assert 0.87 * atRest < -contact.forceOn(wall.group)[0] < atRest

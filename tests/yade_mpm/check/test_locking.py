@@ -90,6 +90,15 @@ def test_particles_that_hardly_change_their_volume_are_warned_of_before_the_firs
     )
 
 
+@pytest.mark.parametrize("part, isTold", [("all", False), ("top", True)])
+def test_a_body_that_is_driven_as_a_whole_cannot_lock(part, isTold):
+    scene = elastic(0.499, mpm.UGIMP())
+    block = scene["block"]
+    scene.drive(block if part == "all" else block.above(0.5), velocity=(0, -0.1))
+    said = [text for text in warningsOf(scene.prepare) if "so they lock" in text]
+    assert len(said) == isTold
+
+
 def flowing(rate, boxes=None, **more):
     """A mesh of clay that shears by rate/100, bonded to a block of boxes where their F-bar is given."""
     scene = mpm.Scene((0, 0), (8, 4), 0.5, threads=1)

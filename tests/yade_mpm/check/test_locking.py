@@ -92,8 +92,10 @@ def test_particles_that_hardly_change_their_volume_are_warned_of_before_the_firs
 
 @pytest.mark.parametrize("part, isTold", [("all", False), ("top", True)])
 def test_a_body_that_is_driven_as_a_whole_cannot_lock(part, isTold):
-    scene = elastic(0.499, mpm.UGIMP())
-    block = scene["block"]
+    scene = mpm.Scene((0, 0), (4, 2), 0.5, threads=1, gravity=9.81)
+    soil = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.499)
+    block = scene.add("block", box((0, 0), (2, 1)), soil, mpm.UGIMP())
+    scene.dt = 1e-4
     scene.drive(block if part == "all" else block.above(0.5), velocity=(0, -0.1))
     said = [text for text in warningsOf(scene.prepare) if "so they lock" in text]
     assert len(said) == isTold

@@ -21,6 +21,7 @@ from .bodyShape import BodyShape
 from .limits import POOR_QUALITY
 from .part import BodyPart
 from .types import ParticleType
+from .unset import namingUnset
 
 
 class Body(BodyShape, Guarded):
@@ -172,22 +173,8 @@ class Body(BodyShape, Guarded):
                 f"{np.abs(stress[:, 2, :2]).max():.3g} kPa, which plane strain does not have; give "
                 f"xz = yz = 0, or make a 3D scene"
             )
-        unset = [name for name in self.material._spatial if np.isnan(getattr(self, name)).any()]
-        try:
+        with namingUnset(self):
             self._core.setStress(np.ascontiguousarray(stress, float))
-        except ValueError:
-            if unset:
-                self._refuseUnset(unset)
-            raise
-        states = {variable[0] for variable in self.material._core.stateVariables()}
-        if unset and not all(np.isfinite(getattr(self, name)).all() for name in states - set(unset)):
-            self._refuseUnset(unset)
-
-    def _refuseUnset(self, names):
-        raise ValueError(
-            f"body '{self.name}': {names[0]} is \"per particle\" and has no values; set body.{names[0]} "
-            f"before its stress, as the state that belongs to that may follow from it"
-        )
 
     @property
     def inertiaScale(self) -> float:

@@ -24,7 +24,7 @@ from .restoringBodies import buildBodies
 from .restoringEngines import buildEngine
 from .running import refuseDuringStep
 from .saving import describe
-from .shaking import freed, refuseTaken
+from .shaking import freed, moduliBehind, refuseTaken
 from .wetting import waterOf
 
 BASE = "viscous bottom"
@@ -152,16 +152,14 @@ class _Column:
 
 def _moduli(body, side, behind):
     """Moduli of waves of pressure and of shear, kPa."""
-    material = body.material if behind is None else behind
-    if not isinstance(material, Material):
-        raise TypeError(f"freeField: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
-    if not getattr(material, "lame", None):
-        raise ValueError(
-            f"freeField: '{body.name}' at the side '{side}' has no stiffness of its own, or one that varies; "
-            "give behind=, a material with numbers"
+    return np.array(
+        moduliBehind(
+            "freeField",
+            body.material if behind is None else behind,
+            f"'{body.name}' at the side '{side}' has no stiffness of its own, or one that varies; "
+            "give behind=, a material with numbers",
         )
-    first, second = material.lame
-    return np.array([first + 2 * second, second])
+    )
 
 
 def _slice(scene, side):

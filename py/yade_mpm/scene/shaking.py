@@ -148,21 +148,19 @@ def _made(scene, side, motion, times, behind):
             f"viscous: the ground at the side '{side}' is of several materials, or of one without a "
             "stiffness of its own; give behind=, the material of the ground behind it"
         )
-    if not isinstance(rock, Material):
-        raise TypeError(f"viscous: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
-    if not getattr(rock, "lame", None):
-        raise ValueError(
-            f"viscous: behind = {type(rock).__name__} has no stiffness of its own, or one that varies; give "
-            "a material with numbers, e.g. mpm.LinearElastic(...)"
-        )
-    first, second = rock.lame
+    first, second = moduliBehind(
+        "viscous",
+        rock,
+        f"behind = {type(rock).__name__} has no stiffness of its own, or one that varies; give "
+        "a material with numbers, e.g. mpm.LinearElastic(...)",
+    )
     axis, isUpper = FACES[scene.dim][side]
     if behind is None and (water := waterOf(scene)) and any(body._core.hasPores for body in near):
         first += water.bulkModulus / water.porosity  # waves of pressure run through the water
     engine = classes["ViscousBoundary"](
         face=2 * axis + isUpper,
         density=near[0].material.density,
-        normal=float(np.sqrt((first + 2 * second) * rock.density)),
+        normal=float(np.sqrt(first * rock.density)),
         shear=float(np.sqrt(second * rock.density)),
         label=f"viscous {side}",
     )
@@ -171,6 +169,16 @@ def _made(scene, side, motion, times, behind):
         _warnOfStart(scene, rows)
         engine.motion = (rows * [1.0, *[0.5] * scene.dim]).ravel().tolist()
     return engine
+
+
+def moduliBehind(call, material, missing):
+    """Moduli of waves of pressure and of shear, kPa. missing : what to say where they are no numbers."""
+    if not isinstance(material, Material):
+        raise TypeError(f"{call}: behind = {shown(material)}; give a material, e.g. mpm.LinearElastic(...)")
+    if not getattr(material, "lame", None):
+        raise ValueError(f"{call}: {missing}")
+    first, second = material.lame
+    return first + 2 * second, second
 
 
 def _warnOfStart(scene, rows):

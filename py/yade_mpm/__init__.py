@@ -9,7 +9,7 @@ Grading                        a grid whose cells grow outside of a box
 loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, cylinder, prism, halfSpace, everywhere, Region   regions; + - & | combine them
-polygonsFromFile               regions from GeoJSON and DXF
+polygonsFromFile, solidFromFile   regions from GeoJSON and DXF, from STL and OBJ
 particles, particlesFromFile, ParticleSet                        particles from arrays, CSV, VTU
 heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
 Mesh, meshFromFile, meshesFromFile, meshFromArrays, inRows       meshes; scene.add takes a file's name, too
@@ -79,6 +79,7 @@ from .geometry.polygonFiles import polygonsFromFile
 from .geometry.region import Region
 from .geometry.regions import box, cylinder, disc, everywhere, halfSpace, polygon, prism, sphere
 from .geometry.terrain import Terrain, heightField
+from .geometry.triangulated import solidFromFile
 from .geotech.limitLoad import limitLoad
 from .geotech.safety import safety
 from .io.history import History

@@ -50,6 +50,7 @@ from .geometry.regions import prism as prism
 from .geometry.regions import sphere as sphere
 from .geometry.terrain import Terrain as Terrain
 from .geometry.terrain import heightField as heightField
+from .geometry.triangulated import solidFromFile as solidFromFile
 from .geotech.limitLoad import limitLoad as limitLoad
 from .geotech.safety import safety as safety
 from .io.history import History as History

@@ -123,7 +123,7 @@ def _notEmpty(cells, region, spacing, name):
     if not len(cells):
         raise ValueError(
             f"body '{name}': empty body: {shown(region)} holds no centre of a lattice of spacing "
-            f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing"
+            f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing{region.toChange}"
         )
     return cells
 
@@ -247,7 +247,7 @@ def _requireInside(region, lower, upper, spacing, name):
         grid = f"box({formatPoint(lower)}, {formatPoint(upper)})"
         raise ValueError(
             f"body '{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
-            f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'"
+            f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'{region.toChange}"
         )
 
 

@@ -42,6 +42,8 @@ class Region:
     dim : 2 or 3.
     """
 
+    toChange = ""  # what else an error about its size tells to do
+
     def __init__(self, dim: int) -> None:
         self.dim = dim
 

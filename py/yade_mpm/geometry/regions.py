@@ -11,6 +11,7 @@ from .primitives import Ball, Box, Everywhere, HalfSpace
 from .region import Composed, Region
 from .solids import Cylinder, Prism
 from .terrain import Below, Layer
+from .triangulated import Triangulated
 
 
 def box(lower: ArrayLike, upper: ArrayLike) -> Region:
@@ -125,6 +126,7 @@ _CONSTRUCTORS = {
     "everywhere": everywhere,
     "below": Below,
     "layer": Layer,
+    "solid": Triangulated,
 }
 
 

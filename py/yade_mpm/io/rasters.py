@@ -10,19 +10,20 @@ from numpy.typing import ArrayLike
 
 from ..base.kinds import FILE, NUMBERS, POSITIVE, takes
 from ..base.wording import shown
-from ..geometry.meshReader import readMesh
 from ..geometry.terrain import Terrain
+from ..geometry.triangleFiles import readTriangles
 
 NODATA = -9999.0
 MARGIN = 2  # heights that a part of a raster has beyond its corners
 
 
-@takes(file=FILE, lower=NUMBERS, upper=NUMBERS, spacing=POSITIVE)
+@takes(file=FILE, lower=NUMBERS, upper=NUMBERS, spacing=POSITIVE, unit=POSITIVE)
 def readTerrain(
     file: str | os.PathLike,
     lower: ArrayLike | None = None,
     upper: ArrayLike | None = None,
     spacing: float | None = None,
+    unit: float = 1.0,
 ) -> Terrain:
     """Reads the heights of the ground.
 
@@ -34,6 +35,7 @@ def readTerrain(
         a mesh of triangles (STL, OBJ and what else meshio reads), each place of which has one height.
     lower, upper : (2,), m, corners in plan of the part that is wanted; default: all.
     spacing : m, between heights that are taken from triangles; needed for them, and for them alone.
+    unit : m, length of one unit of a file of triangles; default 1.
 
     Returns the `Terrain`; coordinates are those of the file, in m. Raises ImportError where rasterio is
     missing, ValueError for gaps (no data) in the part that is wanted, a raster that is turned, or a file
@@ -56,7 +58,7 @@ def readTerrain(
     elif isRaster:
         heights, step, origin, reference = _readTiff(file)
     else:
-        heights, step, origin = _fromTriangles(file, spacing)
+        heights, step, origin = _fromTriangles(file, spacing, unit)
     heights, origin = _part(file, heights, step, origin, lower, upper)
     lost = int(np.isnan(heights).sum())
     if lost:
@@ -167,19 +169,10 @@ def _isNumber(word):
     return True
 
 
-def _fromTriangles(file, spacing):
+def _fromTriangles(file, spacing, unit):
     from matplotlib.tri import LinearTriInterpolator, Triangulation
 
-    try:
-        points, cells, _ = readMesh(file)
-    except RuntimeError as error:
-        raise ValueError(f"readTerrain: {shown(str(file))} is no mesh of triangles: {error}") from None
-    triangles = [corners for kind, _, corners in cells if kind == "triangle"]
-    if not triangles or points.shape[1] != 3:
-        raise ValueError(
-            f"readTerrain: {shown(str(file))} has no triangles in space; give STL, OBJ or a raster"
-        )
-    triangles = np.concatenate(triangles)
+    points, triangles = readTriangles("readTerrain", file, unit)
     sides = points[triangles][:, 1:] - points[triangles][:, :1]
     flat = (
         np.abs(np.cross(sides[:, 0, :2], sides[:, 1, :2])) > 1e-12 * np.ptp(points[:, :2], axis=0).max() ** 2

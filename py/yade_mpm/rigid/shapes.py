@@ -9,9 +9,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.kinds import FILE, NUMBER, POSITIVE, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.terrain import Terrain
+from ..geometry.triangleFiles import readTriangles
 
 
 class Shape:
@@ -125,6 +127,22 @@ class Facet(Shape):
             "vertices": np.concatenate([*points, *[np.zeros(3)] * (3 - len(points))]),
             "radius": 0.5 * float(self.thickness),
         }
+
+
+@takes(file=FILE, unit=POSITIVE, thickness=NUMBER)
+def facetsFromFile(file, unit=1.0, thickness=0.0):
+    """The triangles of an STL or OBJ file as a list of `Facet`, for one rigid body: a chute, a rock, a wheel.
+
+        contact.addBody(mpm.rigid.facetsFromFile("chute.stl", unit=0.001), friction=0.4)  # drawn in mm
+
+    Parameters
+    ----------
+    file : in any format that meshio reads; the surface may be open.
+    unit : m, length of one unit of the file; default 1.
+    thickness : m, of each facet; default 0.
+    """
+    points, triangles = readTriangles("facetsFromFile", file, unit)
+    return [Facet(points[corners], thickness) for corners in triangles]
 
 
 @dataclass

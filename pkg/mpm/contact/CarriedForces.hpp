@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The forces with which shared cells press groups together, at the sites of contact. They act on the nodes already
 // (scene/SharedCells.hpp); the sites count them for friction, and do not part before they are used up. A node hands its
-// force to itself and to the points round it along their normals, by the areas that they stand for: none is counted
-// twice, each face at an edge of a body bears its own component, and what acts along a plane surface is borne by none.
+// force to itself and to the points round it along their normals, by the areas that they stand for: each face at an
+// edge of a body bears its own component, and what acts along a plane surface is borne by none. Together they press
+// along no normal more than the force does: they may hold the surfaces with all of it, and nothing must pull.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
@@ -30,7 +31,8 @@ template <int Dim> class CarriedForces {
     struct Share {
         size_t node; // of the pair
         ContactSite<Dim>* site;
-        double area; // that the site stands for there, m2
+        double area;      // that the site stands for there, m2
+        double along = 0; // its normal, of the force of the node, kN
     };
     std::vector<Vec<Dim>> forces_; // on the second group, at the contact nodes of a pair, kN
     std::vector<Share> shares_;    // by their nodes
@@ -67,14 +69,22 @@ template <int Dim> class CarriedForces {
     }
     template <class At> void hand(At first, At last) {
         const Vec<Dim>& force = forces_[first->node];
+        Vec<Dim> all = Vec<Dim>::Zero();
         for (At share = first; share != last; ++share) {
             double facing = 0; // area that looks the same way
             for (At other = first; other != last; ++other) {
                 const double alike = std::max(0.0, share->site->normal.dot(other->site->normal));
                 facing += other->area * alike * alike;
             }
-            if (facing > 0) share->site->carried += share->area / facing * force.dot(share->site->normal);
+            if (!(facing > 0)) continue;
+            share->along = share->area / facing * force.dot(share->site->normal);
+            if (share->along > 0) all += share->along * share->site->normal;
         }
+        double part = 1;
+        for (At share = first; share != last; ++share)
+            if (const Vec<Dim>& n = share->site->normal; share->along > 0 && force.dot(n) < part * all.dot(n))
+                part = force.dot(n) / all.dot(n);
+        for (At share = first; share != last; ++share) share->site->carried += part * share->along;
     }
 };
 

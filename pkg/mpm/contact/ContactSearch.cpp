@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/contact/ContactSearch.hpp"
 
+#include <algorithm>
 #include <array>
-#include <map>
 
 namespace mpm {
 
@@ -108,14 +108,18 @@ bool ContactSearch<Dim>::findFields(ContactPair<Dim>& pair, int a, int b, const 
 
 // A wall between two soils is in contact with both on one node.
 template <int Dim> void ContactSearch<Dim>::findTwins(const ContactPair<Dim>& pair) {
-    std::map<std::array<int, 2>, int> rows; // by field and node
+    std::vector<std::array<int, 4>> rows; // field, node, row and side
     for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-        for (int side = 0; side < 2; ++side) {
-            const auto [first, isNew] = rows.insert({{nodes[i].field[side], nodes[i].node}, int(i)});
-            if (isNew) continue;
-            nodes[i].twin[side] = first->second;
-            nodes[first->second].twin[side] = int(i);
-        }
+        for (int side = 0; side < 2; ++side)
+            rows.push_back({nodes[i].field[side], nodes[i].node, int(i), side});
+    std::sort(rows.begin(), rows.end());
+    for (size_t i = 1; i < rows.size(); ++i) {
+        const auto [field, node, row, side] = rows[i - 1];
+        const auto [otherField, otherNode, other, otherSide] = rows[i];
+        if (field != otherField || node != otherNode) continue;
+        nodes[row].twin[side] = other;
+        nodes[other].twin[otherSide] = row;
+    }
 }
 
 template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {

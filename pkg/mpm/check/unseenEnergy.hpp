@@ -12,19 +12,19 @@ namespace mpm {
 template <int Dim> class PresentSums {
   public:
     explicit PresentSums(Scene<Dim>& scene) : scene_(scene), mirrors_(scene.mirrors) {
-        for (const auto& field : scene.grid.fields) kept_.push_back({field.sum, field.extents});
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 if (!scene.located) body->domains->locate(region);
         });
         for (auto& body : scene.bodies) // boxes keep the order that users see
             if (!scene.located && body->domains->mesh()) body->domains->resort();
-        for (auto& field : scene.grid.fields) field.forgetExtents();
+        for (auto& field : scene.grid.fields) {
+            kept_.push_back({field.extents, field.extents, {}});
+            field.forgetExtents();
+        }
         for (auto& body : scene.bodies)
             body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
-        for (auto& field : scene.grid.fields)
-            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(field, slab, [&](int node) { field.sum[node] = NF::Sum::zero(); });
+        for (size_t f = 0; f < kept_.size(); ++f) keep(scene.grid.fields[f], kept_[f]);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(),
@@ -34,7 +34,8 @@ template <int Dim> class PresentSums {
     }
     ~PresentSums() {
         for (size_t f = 0; f < kept_.size(); ++f) {
-            scene_.grid.fields[f].sum.swap(kept_[f].sum);
+            auto sum = kept_[f].sum.begin();
+            forNodes(kept_[f], [&](int node) { scene_.grid.fields[f].sum[node] = *sum++; });
             scene_.grid.fields[f].extents.swap(kept_[f].extents);
         }
         scene_.mirrors = mirrors_;
@@ -44,9 +45,19 @@ template <int Dim> class PresentSums {
   private:
     using NF = NodalField<Dim>;
     struct Kept {
-        decltype(NF::sum) sum;
-        decltype(NF::extents) extents;
+        decltype(NF::extents) extents, all; // all: with those of the present sums
+        std::vector<typename NF::Sum> sum;  // of the nodes in these
     };
+    template <class F> void forNodes(const Kept& kept, F&& f) const {
+        for (int slab = 0; slab < scene_.grid.slabs(); ++slab) scene_.grid.forNodes(kept.all[slab], slab, f);
+    }
+    void keep(NF& field, Kept& kept) {
+        for (int slab = 0; slab < scene_.grid.slabs(); ++slab) kept.all[slab].include(field.extents[slab]);
+        forNodes(kept, [&](int node) {
+            kept.sum.push_back(field.sum[node]);
+            field.sum[node] = NF::Sum::zero();
+        });
+    }
     Scene<Dim>& scene_;
     std::vector<Kept> kept_;
     MirrorNodes<Dim> mirrors_;

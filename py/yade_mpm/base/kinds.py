@@ -66,10 +66,11 @@ def takes(**kinds: Kind) -> Callable[[F], F]:
 def ofClass(name, words):
     """Kind of objects of a class of this package, by its name: layers above cannot be imported here."""
 
-    def isOne(value):
-        return any(c.__name__ == name and c.__module__.startswith("yade_mpm") for c in type(value).__mro__)
+    @functools.cache
+    def isSubclass(kind):
+        return any(c.__name__ == name and c.__module__.startswith("yade_mpm") for c in kind.__mro__)
 
-    return Kind(words, isOne)
+    return Kind(words, lambda value: isSubclass(type(value)))
 
 
 def listOf(kind, words):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -187,8 +188,8 @@ class Drive(Prescribed):
     def rowsCrossed(self) -> float:
         """Rows of nodes behind the front of the driven body, from the edge of the grid on, with the part of
         the cell that it is in: it grows by one for each cell of the path. nan while the drive stands."""
-        velocity = np.nan_to_num(self._core.velocity)[: self.dim]
-        axis = np.argmax(np.abs(velocity))
+        velocity = [0.0 if math.isnan(v) else v for v in self._core.velocity[: self.dim]]
+        axis = max(range(self.dim), key=lambda k: abs(velocity[k]))
         body = self.part.body
         if not velocity[axis] or not body.count:
             return np.nan

@@ -262,7 +262,8 @@ class History(Callback):
 
     # --- rows ---
     def _row(self, scene):
-        row = quantities.measured(scene, self._means(scene), self._initialEnergy)
+        integrals = quantities.timeIntegrals(scene)
+        row = quantities.measured(scene, self._means(scene, integrals), self._initialEnergy)
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
         now = {RATE + name: [row[name][1]] for name in self._columns.rates()}
@@ -273,16 +274,15 @@ class History(Callback):
         if scene._perMetre:
             row = {name: (quantities.perMetre(unit), value) for name, (unit, value) in row.items()}
         self._append(row)
-        integrals = quantities.timeIntegrals(scene) | now
-        self._before = {name: [scene.time, *values] for name, values in integrals.items()}
+        self._before = {name: [scene.time, *values] for name, values in (integrals | now).items()}
 
-    def _means(self, scene):
+    def _means(self, scene, integrals):
         """Dict of what is averaged -> mean since the last row; nothing for what has seen no step since."""
         if not self._average:
             return {}
         return {
-            name: [(now - before) / (scene.time - since) for now, before in zip(integrals, start)]
-            for name, integrals in quantities.timeIntegrals(scene).items()
+            name: [(now - before) / (scene.time - since) for now, before in zip(sums, start)]
+            for name, sums in integrals.items()
             for since, *start in [self._before[name]]
             if scene.time > since
         }

@@ -36,7 +36,7 @@ PARAMETERS = mpm.Parameters(
     "tbar",
     __doc__,
     Parameter("alpha", 0.0, "strength of the interface over that of the soil", least=0, most=1),
-    Parameter("cells", 8, "per diameter", least=4, whole=True),
+    Parameter("cells", 8, "per diameter", least=5, whole=True),
     Parameter("extent", 10, "of the box, diameters", least=4, whole=True),
     Parameter("depth", 1.0, "how far the bar is pulled, diameters", above=0.2),
     Parameter("rate", 0.3, "of the bar", unit="m/s", above=0),
@@ -54,9 +54,10 @@ def exactFactor(alpha):
 
 
 def build(a):
-    """The scene: the bar half of its path above the middle of the box (without output)."""
+    """The scene: the bar half of its path above the middle of the box, to a cell (without output)."""
     cell, size = DIAMETER / a.cells, a.extent * DIAMETER
-    centre = (0.5 * size, 0.5 * size + 0.5 * a.depth * DIAMETER)
+    # By whole cells, so that boxes lie round the bar alike at any depth.
+    centre = (0.5 * size, 0.5 * size + cell * round(0.5 * a.depth * a.cells))
     scene = mpm.Scene((0, 0), (size, size), cell, threads=a.threads)
     # No box in the way of a facet; the stress closes the gap.
     around = disc(centre, 0.5 * DIAMETER + 0.1 * cell)

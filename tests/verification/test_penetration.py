@@ -58,6 +58,12 @@ def test_a_smooth_tbar(verified):
     verified(run("tbar")["error"], 0, scale=1)
 
 
+@pytest.mark.parametrize("depth", ["0.3", "0.7"])
+def test_a_tbar_starts_wherever_it_is_asked_to(depth):
+    tbar = script("tbar")
+    assert tbar.build(tbar.arguments(["--smoke", "--depth", depth])).bodies
+
+
 @slow
 def test_a_smooth_tbar_is_too_large_where_nodes_hold_the_soil_or_the_soil_locks():
     """Controls: 19 and 27 %."""

@@ -566,6 +566,7 @@ class PoreWater(_PoreWater):
     """Water in the pores of soil: flow by Darcy's law, pressure as one implicit unknown per cell."""
 
     table: float | Sequence[float]
+    levels: float | Sequence[float]
     rise: float | Sequence[float]
     heads: float | Sequence[float]
     drained: float | Sequence[float]
@@ -591,6 +592,7 @@ class PoreWater(_PoreWater):
         wells: float | Sequence[float] = None,
         drains: float | Sequence[float] = None,
         *,
+        levels: float | Sequence[float] = (),
         kozenyCarman: bool = False,
         permeability: float = 1e-07,
         porosity: float = 0.4,

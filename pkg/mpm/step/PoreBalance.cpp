@@ -3,6 +3,7 @@
 // node changes.
 #include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/PoreWater.hpp"
+#include "mpm/step/timeTable.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,14 @@ const double* atFace(const std::vector<double>& rows, double face) {
     for (size_t i = 0; i + 1 < rows.size(); i += 2)
         if (rows[i] == face) return &rows[i + 1];
     return nullptr;
+}
+
+// The level of rows (face, time, level), empty: the face has none.
+std::vector<double> headAt(const std::vector<double>& rows, double face, double time) {
+    std::vector<double> own; // rows (time, level)
+    for (size_t i = 0; i + 2 < rows.size(); i += 3)
+        if (rows[i] == face) own.insert(own.end(), {rows[i + 1], rows[i + 2]});
+    return own.empty() ? own : rowAt(own, 2, time);
 }
 
 } // namespace
@@ -186,7 +195,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
             for (int side = 0; side < 2; ++side) {
                 const int at = index[k] - grid.ghost;
                 if (side ? at == grid.cells[k] - 1 : at == 0) {
-                    addWall(scene, state, c, k, side);
+                    addWall(scene, state, water, c, k, side);
                     continue;
                 }
                 const int beside = number + (side ? 1 : -1) * grid.strides[k], other = system.cellAt(beside);
@@ -232,13 +241,13 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
 
 // A face of the grid: closed, with a flow, or with water of a level or of the table behind it.
 template <int Dim>
-void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side) {
+void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, const WaterTable& water, int c, int axis,
+                        int side) {
     const double face = 2 * axis + side;
     const Grid<Dim>& grid = scene.grid;
     auto& system = state.system;
     const auto& fill = state.fill[system.cells[c].number];
     const Vec<Dim> edges = grid.edges(system.cells[c].number);
-    const WaterTable water = tableAt(scene, scene.time);
     Vec<Dim> x = fill.centre;
     x[axis] = side ? grid.upper[axis] : grid.lower[axis];
     const double across = std::abs(x[axis] - fill.centre[axis]);
@@ -248,13 +257,13 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const double wall = length * grid.thicknessAt(x[0]);
     if (const double* given = atFace(inflows, face); given && wall > 0)
         system.outlets.push_back({c, 0, *given * wall, axis, side, wall});
-    const double* level = atFace(heads, face);
+    const std::vector<double> level = headAt(heads, face, scene.time);
     const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
-    if (!level && !isDrained) return;
+    if (level.empty() && !isDrained) return;
     const double way = std::max(across, leastCover * edges[axis]);
     const double area = length * grid.thicknessAt(0.5 * (x[0] + fill.centre[0]));
     const double conductance = fill.permeability / (density * standardGravity) * area / way;
-    const double head = level ? water.weight * std::max(*level, x[Dim - 1]) : water.head<Dim>(x);
+    const double head = level.empty() ? water.head<Dim>(x) : water.weight * std::max(level[0], x[Dim - 1]);
     system.outlets.push_back({c, conductance, conductance * (head - fill.head), axis, side, area});
 }
 
@@ -365,8 +374,10 @@ template bool PoreWater::isHeld(const Scene<2>& scene, int field, int cell, int 
 template bool PoreWater::isHeld(const Scene<3>& scene, int field, int cell, int axis, int side);
 template void PoreWater::addFlow(const Scene<2>& scene, State<2>& state);
 template void PoreWater::addFlow(const Scene<3>& scene, State<3>& state);
-template void PoreWater::addWall(const Scene<2>& scene, State<2>& state, int c, int axis, int side);
-template void PoreWater::addWall(const Scene<3>& scene, State<3>& state, int c, int axis, int side);
+template void PoreWater::addWall(const Scene<2>& scene, State<2>& state, const WaterTable& water, int c,
+                                 int axis, int side);
+template void PoreWater::addWall(const Scene<3>& scene, State<3>& state, const WaterTable& water, int c,
+                                 int axis, int side);
 template void PoreWater::addWells(State<2>& state);
 template void PoreWater::addWells(State<3>& state);
 template void PoreWater::addDrains(const Scene<2>& scene, State<2>& state);

@@ -32,37 +32,40 @@ std::string PoreWater::doc() const {
 }
 
 std::vector<Parameter> PoreWater::attributes() {
-    return {{"table", "m", "Rows (x, level) of the water table, linear between them.", &table},
-            {"rise", "s, m", "Rows (time, height) that the table rises by.", &rise},
-            {"heads", "m", "Rows (face, level of the water behind it); others are closed.", &heads},
-            {"drained", "", "Numbers of faces with water to the table behind them.", &drained},
-            {"inflows", "m/s", "Rows (face, flow through it into the soil).", &inflows},
-            {"wells", "m3/s", "Rows (well, a cell of it, what the well takes).", &wells},
-            {"drains", "m", "Rows (cell, head above which water leaves it).", &drains},
-            {"kozenyCarman", "", "The permeability follows the volume, as n^3/(1 - n)^2.", &kozenyCarman},
-            {"permeability", "m/s", "Hydraulic conductivity of the soil that it is given to; 0: undrained.",
-             &permeability, Range::notNegative()},
-            {"porosity", "-", "Volume of the pores over that of this soil.", &porosity, Range::inside(0, 1)},
-            {"sealed", "", "No water passes the surface of the soil.", &sealed},
-            {"bulkModulus", "kPa", "Bulk modulus of water.", &bulkModulus, Range::positive()},
-            {"density", "Mg/m3", "Density of water.", &density, Range::positive()},
-            {"tolerance", "kPa", "Error of the pressure that the solution may leave to the next step.",
-             &tolerance, Range::positive()},
-            {"iterations", "", "Iterations of the last step.", &iterations},
-            {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
-            {"inflow", "m3/s", "What entered it.", &inflow},
-            {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt},
-            {"changes", "kPa", "Rows (cell, change of its pressure in the first and in the second solution).",
-             &changes}};
+    return {
+        {"table", "m", "Rows (x, level) of the water table, linear between them.", &table},
+        {"levels", "s, m", "Rows (time, level at each row of the table), of a table that changes.", &levels},
+        {"rise", "s, m", "Rows (time, height) that the table rises by.", &rise},
+        {"heads", "m", "Rows (face, time, level of the water behind it); others are closed.", &heads},
+        {"drained", "", "Numbers of faces with water to the table behind them.", &drained},
+        {"inflows", "m/s", "Rows (face, flow through it into the soil).", &inflows},
+        {"wells", "m3/s", "Rows (well, a cell of it, what the well takes).", &wells},
+        {"drains", "m", "Rows (cell, head above which water leaves it).", &drains},
+        {"kozenyCarman", "", "The permeability follows the volume, as n^3/(1 - n)^2.", &kozenyCarman},
+        {"permeability", "m/s", "Hydraulic conductivity of the soil that it is given to; 0: undrained.",
+         &permeability, Range::notNegative()},
+        {"porosity", "-", "Volume of the pores over that of this soil.", &porosity, Range::inside(0, 1)},
+        {"sealed", "", "No water passes the surface of the soil.", &sealed},
+        {"bulkModulus", "kPa", "Bulk modulus of water.", &bulkModulus, Range::positive()},
+        {"density", "Mg/m3", "Density of water.", &density, Range::positive()},
+        {"tolerance", "kPa", "Error of the pressure that the solution may leave to the next step.",
+         &tolerance, Range::positive()},
+        {"iterations", "", "Iterations of the last step.", &iterations},
+        {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
+        {"inflow", "m3/s", "What entered it.", &inflow},
+        {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt},
+        {"changes", "kPa", "Rows (cell, change of its pressure in the first and in the second solution).",
+         &changes}};
 }
 
 void PoreWater::finish() {
     checkTable("PoreWater", "table", table, 2);
     checkTable("PoreWater", "rise", rise, 2);
-    checkTable("PoreWater", "heads", heads, 2);
+    checkTable("PoreWater", "levels", levels, 1 + table.size() / 2);
     checkTable("PoreWater", "inflows", inflows, 2);
-    require(wells.size() % 3 == 0 && drains.size() % 2 == 0,
-            "PoreWater: wells and drains have other numbers than rows of three and of two; give regions");
+    require(wells.size() % 3 == 0 && drains.size() % 2 == 0 && heads.size() % 3 == 0,
+            "PoreWater: wells, drains and heads have other numbers than rows of three, two and three; give "
+            "regions, and a dict of faces");
 }
 
 // Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its
@@ -127,7 +130,13 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
 }
 
 template <int Dim> WaterTable PoreWater::tableAt(const Scene<Dim>& scene, double time) const {
-    return {table, rise.empty() ? 0 : rowAt(rise, 2, time)[0], -density * gravityOf(scene)[Dim - 1]};
+    WaterTable water{table, -density * gravityOf(scene)[Dim - 1]};
+    const std::vector<double> now =
+        levels.empty() ? std::vector<double>() : rowAt(levels, 1 + table.size() / 2, time);
+    const double risen = rise.empty() ? 0 : rowAt(rise, 2, time)[0];
+    for (size_t i = 0; i + 1 < table.size(); i += 2)
+        water.rows[i + 1] = (now.empty() ? table[i + 1] : now[i / 2]) + risen;
+    return water;
 }
 
 // Finds the cells, and loads the nodes with the pressure that is there: what holds or meets them in this

@@ -14,7 +14,7 @@ namespace mpm {
 
 class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public VelocityCoupling {
   public:
-    std::vector<double> table, rise, heads, drained, inflows, wells, drains, debt, changes;
+    std::vector<double> table, levels, rise, heads, drained, inflows, wells, drains, debt, changes;
     double permeability = 1e-7, porosity = 0.4; // of what is added with it
     double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0, inflow = 0;
     int iterations = 0;
@@ -75,7 +75,9 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> static double actingVolume(const Grid<Dim>& grid, const State<Dim>& state, int number);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> void addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side);
+    template <int Dim>
+    void addWall(const Scene<Dim>& scene, State<Dim>& state, const WaterTable& water, int c, int axis,
+                 int side);
     template <int Dim> void addWells(State<Dim>& state);
     template <int Dim> void addDrains(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void findMovers(const Scene<Dim>& scene, State<Dim>& state);

@@ -11,9 +11,8 @@
 namespace mpm {
 
 struct WaterTable {
-    const std::vector<double>& rows; // (x, level), m, linear between them; empty: no table
-    double risen;                    // m, above the rows
-    double weight;                   // of water, kN/m3; 0 without gravity
+    std::vector<double> rows; // (x, level), m, linear between them; empty: no table
+    double weight;            // of water, kN/m3; 0 without gravity
 
     template <int Dim> double level(const Vec<Dim>& x) const {
         if (rows.empty()) return -std::numeric_limits<double>::infinity();
@@ -21,7 +20,7 @@ struct WaterTable {
         while (next < rows.size() && rows[next] <= x[0]) next += 2;
         const size_t above = std::min(next, rows.size() - 2), below = next > 0 ? next - 2 : 0;
         const double share = above > below ? (x[0] - rows[below]) / (rows[above] - rows[below]) : 0;
-        return rows[below + 1] + share * (rows[above + 1] - rows[below + 1]) + risen;
+        return rows[below + 1] + share * (rows[above + 1] - rows[below + 1]);
     }
     template <int Dim> double pressure(const Vec<Dim>& x) const {
         return weight > 0 ? weight * std::max(0.0, level<Dim>(x) - x[Dim - 1]) : 0;

@@ -83,7 +83,8 @@ def _water(scene):
     wet = [b for b in scene.bodies if b.count and b._core.hasPores and (b.saturation > 0).any()]
     if water is None or not wet:
         return
-    isFull = sum(b.volume.sum() for b in scene.bodies) > (1 - ROUNDOFF) * np.prod(scene.upper - scene.lower)
+    closed = sum((b.volume * (b.saturation > 0 if b in wet else 1)).sum() for b in scene.bodies)  # to the air
+    isFull = closed > (1 - ROUNDOFF) * np.prod(scene.upper - scene.lower)
     if (
         not (water.heads or water.drained)
         and (water.sealed or isFull)

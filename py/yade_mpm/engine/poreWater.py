@@ -30,9 +30,11 @@ Soil below the table is full of water and stays so; its density includes the wat
 the ground, that is under water, with its pressure on the ground. Water leaves through the surface of the
 soil; faces of the grid, bodies without water and what is driven are closed.
 
-table : m, level; or rows (x, level), linear between them; default: 0 kPa everywhere, and no buoyancy.
+table : m, level; or rows (x, level), linear between them; or a dict time (s) -> one of these, linear between
+    the times; default: 0 kPa everywhere, and no buoyancy.
 rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
-heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
+heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...), or rows
+    (time, level), s and m, linear between them.
 drained : face, or list of faces, with water up to the table behind them; without a table at 0 kPa.
 inflows : dict face -> flow through it into the soil, m/s; negative: out of it.
 wells : list of (region, what it takes in all, m3/s; 2D: m2/s; negative: what it gives).
@@ -52,9 +54,9 @@ in front of it takes in what the soil sucks, as if it rained."""
 
     def __init__(
         self,
-        table: float | ArrayLike | None = None,
+        table: float | ArrayLike | dict[float, ArrayLike] | None = None,
         rise: ArrayLike | None = None,
-        heads: dict[str, float] | Sequence[float] | None = None,
+        heads: dict[str, float | ArrayLike] | Sequence[float] | None = None,
         drained: str | Sequence[str] | Sequence[float] | None = None,
         inflows: dict[str, float] | Sequence[float] | None = None,
         wells: Sequence | None = None,
@@ -62,10 +64,13 @@ in front of it takes in what the soil sucks, as if it rained."""
         **attributes,
     ) -> None:
         for name, rows in (("table", table), ("rise", rise)):
-            if rows is not None:
-                attributes[name] = rows
+            if rows is not None:  # before the levels of a checkpoint, which belong to the table
+                attributes = {name: rows, **attributes}
         named = {}
-        for name, rows, unit in (("heads", heads, "level, m"), ("inflows", inflows, "flow, m/s")):
+        for name, rows, unit in (
+            ("heads", heads, "level, m, or rows (time, level)"),
+            ("inflows", inflows, "flow, m/s"),
+        ):
             if isinstance(rows, dict):
                 named[name] = _checked(name, rows, unit)
             elif isinstance(rows, (list, tuple)):  # from a checkpoint
@@ -78,7 +83,7 @@ in front of it takes in what the soil sucks, as if it rained."""
         if all(isNumber(face) for face in faces):  # from a checkpoint
             attributes["drained"] = faces
         else:
-            named["drained"] = dict.fromkeys(faces)
+            named["drained"] = dict.fromkeys(faces, [()])
         regions = {}
         for name, rows in (("wells", wells), ("drains", drains)):
             if rows is None or all(isNumber(row) for row in rows):  # from a checkpoint
@@ -95,6 +100,9 @@ in front of it takes in what the soil sucks, as if it rained."""
 
     def _assign(self, name, value):
         """Tables as numbers, rows, or rows one behind the other, as checkpoints have them."""
+        if name == "table":
+            value, levels = _stages(value) if isinstance(value, dict) else (value, [])
+            super()._assign("levels", levels)
         if name in ("table", "rise") and not (isinstance(value, (list, tuple)) and len(value) == 0):
             rows = [(0.0, value)] if isNumber(value) else value
             rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
@@ -113,9 +121,8 @@ in front of it takes in what the soil sucks, as if it rained."""
                 raise ValueError(
                     f"PoreWater: {name} has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
                 )
-            rows = [(k, values[face]) for k, face in enumerate(faces) if face in values]
-            numbers = [float(number) for row in rows for number in row if number is not None]
-            self._core.set(name, numbers)
+            rows = [(k, *row) for k, face in enumerate(faces) if face in values for row in values[face]]
+            self._core.set(name, np.array(rows, float).ravel().tolist())
         for name, rows in self._regions.items():
             self._core.set(name, _cellRows(scene, name, rows))
 
@@ -152,6 +159,9 @@ in front of it takes in what the soil sucks, as if it rained."""
         rows = np.reshape(self.table, (-1, 2))
         if not len(rows):
             return np.full(len(positions), -np.inf)
+        if len(self.levels):
+            levels = np.reshape(self.levels, (-1, 1 + len(rows))).T
+            rows[:, 1] = [np.interp(time, levels[0], level) for level in levels[1:]]
         rise = np.reshape(self.rise, (-1, 2))
         return np.interp(positions[:, 0], *rows.T) + (np.interp(time, *rise.T) if len(rise) else 0.0)
 
@@ -193,10 +203,29 @@ def _cellsInside(scene, name, region):
     return np.flatnonzero(isIn), middles[isIn]
 
 
-def _checked(name, rows, unit):
-    """A dict face -> number."""
-    for face, value in rows.items():
+def _checked(name, given, unit):
+    """A dict face -> rows: of one number, or of the time and a number."""
+    checked = {}
+    for face, value in given.items():
+        if name == "heads" and not isNumber(value) and np.ndim(value) == 2:
+            checked[face] = timeRows("PoreWater", f"heads of '{face}'", value, 1, None).tolist()
+            continue
         if not isNumber(value):
-            wanted = unit.replace(", ", " in ")
+            wanted = unit.replace("level, m", "level in m").replace("flow, m/s", "flow in m/s")
             raise TypeError(f"PoreWater: {name} has {shown(value)} for '{face}'; give a {wanted}")
-    return rows
+        checked[face] = [(0.0, value) if name == "heads" else (value,)]
+    return checked
+
+
+def _stages(given):
+    """Rows (x, level) at the first of some times, and rows (time, level at each x) one behind the other."""
+    if not given:
+        raise ValueError("PoreWater: table is an empty dict; give time -> level in m, or rows (x, level)")
+    tables = [
+        timeRows("PoreWater", "table", [(0.0, one)] if isNumber(one) else one, 1, None)
+        for one in given.values()
+    ]
+    x = np.unique(np.concatenate([table[:, 0] for table in tables]))
+    levels = np.array([np.interp(x, *table.T) for table in tables])
+    rows = timeRows("PoreWater", "table", np.column_stack((list(given), levels)), len(x), None)
+    return np.column_stack((x, levels[0])), rows.ravel().tolist()

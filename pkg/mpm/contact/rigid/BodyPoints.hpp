@@ -26,9 +26,11 @@ template <int Dim> class BodyPoints {
         const bool isNew =
             body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
         body_ = &body;
+        if (isNew) weighsByHats_ = body.type->className() == "UGIMP";
         particles_ = body.particles.size();
         inertiaScale_ = body.inertiaScale;
         half_ = isMeshed_ ? Vec<Dim>(Vec<Dim>::Zero()) : body.domains->boxes()->halfSize();
+        for (int k = 0; k < 3 && !isMeshed_; ++k) overHalf_[k] = 1 / half(k);
         position_ = isMeshed_ ? &body.domains->mesh()->vertexPositions() : &body.particles.position;
         if (isNew) isMeshed_ ? takeVertices() : takeBoxes();
         if (isMeshed_) takeAreas(*position_);
@@ -44,14 +46,15 @@ template <int Dim> class BodyPoints {
     }
     Vec3 position(int i) const { return spatial(*position_, index(i)); }
 
+    // Whether the weight of a node is the mean of its hat function over the box.
+    bool weighsByHats() const { return weighsByHats_; }
+
     // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent.
     // A body that touches a flat row of boxes overlaps with none of their ellipsoids, but with the corners of
     // those beside the place.
     double halfAlong(const Vec3& n) const {
         if (isMeshed_) return 0;
-        double sum = 0;
-        for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / half(k), 2);
-        return 1 / std::sqrt(sum);
+        return 1 / n.cwiseProduct(overHalf_).norm();
     }
 
     // From the centre to where a normal force acts on a box of that stretch along n: within the box.
@@ -128,10 +131,11 @@ template <int Dim> class BodyPoints {
   private:
     const Body<Dim>* body_ = nullptr;
     const Field* position_ = nullptr;
-    bool isMeshed_ = false;
+    bool isMeshed_ = false, weighsByHats_ = false;
     int particles_ = -1;
     double inertiaScale_ = 0, massPerArea_ = 0, largestArea_ = 0;
     Vec<Dim> half_ = Vec<Dim>::Zero();
+    Vec3 overHalf_ = Vec3::Zero(); // 1/m, of boxes
 
     // Of a mesh.
     BoundaryFacets<Dim> boundary_;

@@ -13,6 +13,8 @@
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
 #include "mpm/scene/Scene.hpp"
 
+#include <optional>
+
 namespace mpm {
 
 template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
@@ -31,14 +33,20 @@ struct HatMeans {
     HatMeans() = default;
     template <int Dim> HatMeans(const Grid<Dim>& grid, int axis, double x, double from, double to) {
         const int nearest = int(grid.inCells(x, axis) + 0.5);
-        first = std::clamp(int(grid.inCells(from, axis)), nearest - 1, nearest);
-        const double line = grid.line(axis, first + 1); // hats are straight on either side of it
-        const double before = to > line ? std::max(0.0, line - from) / (to - from) : 1;
-        const double a = grid.inCells(0.5 * (from + std::min(to, line)), axis) - first;
-        const double b = before < 1 ? grid.inCells(0.5 * (std::max(from, line) + to), axis) - first - 1 : 0;
-        mean[0] = before * (1 - a);
-        mean[1] = before * a + (1 - before) * (1 - b);
-        mean[2] = (1 - before) * b;
+        const double start = grid.inCells(from, axis), end = grid.inCells(to, axis);
+        first = std::clamp(int(start), nearest - 1, nearest);
+        const double a = start - first, b = end - first; // hats are straight on either side of b = 1
+        if (b <= 1) {
+            mean[1] = 0.5 * (a + b);
+            mean[0] = 1 - mean[1];
+            mean[2] = 0;
+            return;
+        }
+        const double before = std::max(0.0, grid.line(axis, first + 1) - from) / (to - from);
+        const double inFirst = 0.5 * (a + 1), inSecond = 0.5 * (std::max(a, 1.0) + b) - 1;
+        mean[0] = before * (1 - inFirst);
+        mean[1] = before * inFirst + (1 - before) * (1 - inSecond);
+        mean[2] = (1 - before) * inSecond;
     }
 };
 
@@ -88,15 +96,16 @@ template <int Dim> Vec3 mappedVelocity(const Scene<Dim>& scene, const Body<Dim>&
     return velocity;
 }
 
-// A box and the nodes round it: its weights, and H(0). Found once in a step.
+// A box and the nodes round it: its weights, and H(0) where that is not the weight itself. Found once in a step.
 template <int Dim> struct BoxNodes {
     static constexpr int most = Dim == 2 ? 9 : 27; // a kernel reaches three nodes along an axis at most
     int count = 0, node[most];
     double phi[most];
     Vec<Dim> gradient[most];
-    BoxHats<Dim> inside;
+    std::optional<BoxHats<Dim>> inside;
 
-    BoxNodes(const Body<Dim>& soil, const Grid<Dim>& grid, int p) : inside(soil, grid, p, Vec3::Zero()) {
+    BoxNodes(const Body<Dim>& soil, const Grid<Dim>& grid, int p, bool weighsByHats) {
+        if (!weighsByHats) inside.emplace(soil, grid, p, Vec3::Zero());
         soil.domains->weights(p, [this](int i, double weight, const Vec<Dim>& slope) {
             node[count] = i;
             phi[count] = weight;
@@ -143,7 +152,10 @@ NodalMotion nodalMotionOf(MappedVelocities<Dim>& velocities, const Body<Dim>& so
         centre += box.phi[i] * v;
         for (int k = 0; k < Dim; ++k) along[k] += box.gradient[i][k] * v;
     }
-    box.inside.forNodes([&](int node, double H) { inBox += H * velocities.of(soil, node); });
+    if (box.inside)
+        box.inside->forNodes([&](int node, double H) { inBox += H * velocities.of(soil, node); });
+    else
+        inBox = centre;
     NodalMotion motion{vectorOfLanes(centre), vectorOfLanes(inBox), velocityGradientOf(soil, p)};
     for (int k = 0; k < Dim; ++k) motion.excess.col(k) -= vectorOfLanes(along[k]);
     return motion;

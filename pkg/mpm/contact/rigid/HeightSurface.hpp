@@ -49,14 +49,15 @@ class HeightSurface {
     // Whether all of the ground is further away than `radius` from a place above it: so near it is no further
     // from the tangent plane than by its curvature.
     bool isBeyond(const Vec3& x, double radius) const {
-        return asPlane(x, x, at(x)).distance > radius + 0.5 * curvature_ * radius * radius;
+        return isAbove(x, at(x), radius + 0.5 * curvature_ * radius * radius);
     }
 
     // The second foot of the perpendicular follows from the normal at the first: what is left of the error is
     // (distance over radius of curvature) squared, and nothing on a plane. Of a place further away than `within`
     // the first is enough.
     Surface nearest(const Vec3& x, double within = std::numeric_limits<double>::infinity()) const {
-        const Surface first = asPlane(x, x, at(x));
+        const Place below = at(x);
+        const Surface first = asPlane(x, x, below);
         if (first.distance > within + 0.5 * curvature_ * within * within) return first;
         const Vec3 foot = x - first.distance * first.normal;
         return asPlane(x, foot, at(foot));
@@ -65,6 +66,7 @@ class HeightSurface {
   private:
     struct Place {
         double height, slope[2];
+        double steepness() const { return 1 + slope[0] * slope[0] + slope[1] * slope[1]; }
     };
 
     int size_[2], axes_;
@@ -107,45 +109,51 @@ class HeightSurface {
 
     struct Weights {
         int middle;
-        double value[3] = {0, 1, 0}, slope[3] = {0, 0, 0}; // slope: 1/m
-        double beyond = 0;                                 // m, from the raster
+        double value[3], slope[3]; // slope: 1/m
+        double beyond;             // m, from the raster
     };
     Weights weightsAt(double x, int axis) const {
         const double over = overSpacing_[axis], inCells = (x - origin_[axis]) * over;
         const double u = std::clamp(inCells, 0.0, size_[axis] - 1.0);
-        Weights w;
-        w.middle = int(u + 0.5);
-        w.beyond = (inCells - u) * spacing_[axis];
-        const double t = u - w.middle, before = 0.5 - t, after = 0.5 + t;
-        w.value[0] = 0.5 * before * before;
-        w.value[1] = 0.75 - t * t;
-        w.value[2] = 0.5 * after * after;
-        w.slope[0] = -before * over;
-        w.slope[1] = -2 * t * over;
-        w.slope[2] = after * over;
-        return w;
+        const int middle = int(u + 0.5);
+        const double t = u - middle, before = 0.5 - t, after = 0.5 + t;
+        return {middle,
+                {0.5 * before * before, 0.75 - t * t, 0.5 * after * after},
+                {-before * over, -2 * t * over, after * over},
+                (inCells - u) * spacing_[axis]};
+    }
+
+    // Whether a place is further than `radius` above the tangent plane at the ground below it, `here`.
+    bool isAbove(const Vec3& x, const Place& here, double radius) const {
+        const double over = x[axes_] - here.height;
+        return over > 0 && over * over > radius * radius * here.steepness();
     }
 
     // The distance from the tangent plane at the ground above or below a place, `here`.
     Surface asPlane(const Vec3& x, const Vec3& place, const Place& here) const {
-        Vec3 foot = place, normal = Vec3::Zero();
+        const double along = 1 / std::sqrt(here.steepness());
+        Vec3 normal(-here.slope[0] * along, -here.slope[1] * along, 0);
+        normal[axes_] = along;
+        Vec3 foot = place;
         foot[axes_] = here.height;
-        for (int a = 0; a < axes_; ++a) normal[a] = -here.slope[a];
-        normal[axes_] = 1;
-        normal.normalize();
         return {normal.dot(x - foot), normal};
     }
 
     Place at(const Vec3& x) const {
-        const Weights a = weightsAt(x[0], 0), b = axes_ > 1 ? weightsAt(x[1], 1) : Weights{0};
+        const Weights a = weightsAt(x[0], 0);
+        if (axes_ == 1) {
+            const double* h = &heights_[size_t(a.middle) * 3 + 1]; // of three equal rows
+            const double slope = a.slope[0] * h[0] + a.slope[1] * h[3] + a.slope[2] * h[6];
+            const double mean = a.value[0] * h[0] + a.value[1] * h[3] + a.value[2] * h[6];
+            return {mean + a.beyond * slope, {slope, 0}};
+        }
+        const Weights b = weightsAt(x[1], 1);
+        const size_t rows = size_[1] + 2;
+        const double* h = &heights_[a.middle * rows + b.middle];
         Place here{0, {0, 0}};
-        for (int i = 0; i < 3; ++i) {
-            double across = 0, slope = 0;
-            for (int j = 0; j < 3; ++j) {
-                const double height = heightAt(a.middle + i - 1, b.middle + j - 1);
-                across += b.value[j] * height;
-                slope += b.slope[j] * height;
-            }
+        for (int i = 0; i < 3; ++i, h += rows) {
+            const double across = b.value[0] * h[0] + b.value[1] * h[1] + b.value[2] * h[2];
+            const double slope = b.slope[0] * h[0] + b.slope[1] * h[1] + b.slope[2] * h[2];
             here.height += a.value[i] * across;
             here.slope[0] += a.slope[i] * across;
             here.slope[1] += a.value[i] * slope;

@@ -147,8 +147,8 @@ template <int Dim> RigidContact::Points<Dim>& RigidContact::look(Scene<Dim>& sce
 }
 
 template <int Dim> std::vector<RigidContactPoint> RigidContact::findOverlaps(Scene<Dim>& scene) {
-    std::vector<RigidContactPoint> contacts = findNearContacts(scene, look(scene), shape_, states);
-    dropRepeats(contacts, shape_);
+    std::vector<RigidContactPoint> contacts;
+    near_.find(scene, look(scene), shape_, states, contacts);
     return contacts;
 }
 
@@ -184,8 +184,8 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     softTo_ = normalLaw == "penalty"     ? 0
               : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
                                          : hertzOverlap;
-    std::vector<RigidContactPoint> contacts = findNearContacts(scene, points, shape_, states);
-    dropRepeats(contacts, shape_);
+    std::vector<RigidContactPoint>& contacts = contacts_;
+    near_.find(scene, points, shape_, states, contacts);
     const std::vector<int> known = particlesBefore();
     forgetRenumbered(scene);
     cutHistory(scene, points, history);
@@ -216,7 +216,7 @@ bool RigidContact::touch(Scene<Dim>& scene, const Points<Dim>& points, RigidCont
                          RigidBalance<Dim>& balance) {
     const Body<Dim>& soil = *scene.bodies[c.soil];
     std::optional<BoxNodes<Dim>> ofBox; // a vertex has none
-    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, c.place);
+    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, c.place, points[c.soil].weighsByHats());
     const BoxNodes<Dim>* box = ofBox ? &*ofBox : nullptr;
     if (!followStrain(scene, points[c.soil], std::get<MappedVelocities<Dim>>(velocities_), box, c))
         return false;

@@ -111,7 +111,9 @@ class RigidContact : public EngineOf<RigidContact> {
     std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
     std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
     std::vector<int> ownPair_;          // of each rigid body with each of the scene: row of pairs, or -1
-    double softTo_ = 0;                 // m, overlap up to which the contact is softer than the penalty
+    NearContacts near_;
+    std::vector<RigidContactPoint> contacts_; // of this step; keeps its memory
+    double softTo_ = 0;                       // m, overlap up to which the contact is softer than the penalty
 
     void makeShapes(int dim);
     void checkState(int body, const RigidState& state) const;

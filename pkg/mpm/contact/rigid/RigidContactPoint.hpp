@@ -40,7 +40,6 @@ struct RigidContactPoint {
     // Of this step only.
     int place = -1; // of the point in its body
     int shape = -1;
-    Vec3 edge = Vec3::Zero(); // point of the shape nearest to the particle, in the frame of the rigid body
     Vec3 forceBefore = Vec3::Zero();             // force,
     Vec3 pointBefore = Vec3::Constant(notGiven); // point (not a number: a new contact)
     double gapBefore = 0;                        // and gap in the step before

@@ -73,9 +73,11 @@ void addForce(const Body<Dim>& soil, int index, const Arms& arms, const BoxNodes
     }
     const Vec<Dim> beyond = (arms.friction - arms.normal).template head<Dim>();
     for (int i = 0; i < box->count; ++i)
-        nodes[box->node[i]].part[1] += box->phi[i] * all + box->gradient[i].dot(beyond) * sideways;
+        nodes[box->node[i]].part[1] += box->gradient[i].dot(beyond) * sideways;
     hats->forNodes([&](int node, double H) { nodes[node].part[1] += H * all; });
-    box->inside.forNodes([&](int node, double H) { nodes[node].part[1] += -H * all; });
+    if (!box->inside) return;
+    for (int i = 0; i < box->count; ++i) nodes[box->node[i]].part[1] += box->phi[i] * all;
+    box->inside->forNodes([&](int node, double H) { nodes[node].part[1] += -H * all; });
 }
 
 // What the nodes get from each rigid body by each body of the scene, against what the rigid body gets.

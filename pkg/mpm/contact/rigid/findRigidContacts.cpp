@@ -41,11 +41,11 @@ template <int Dim> const std::vector<CutBox<Dim>>& justCut(const Body<Dim>& soil
 } // namespace
 
 template <int Dim>
-std::vector<RigidContactPoint>
-findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                 const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states) {
+void NearContacts::find(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                        const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states,
+                        std::vector<RigidContactPoint>& contacts) {
     const double near = BodyPoints<Dim>::mostShift * scene.grid.smallestCell().minCoeff();
-    std::vector<RigidContactPoint> contacts;
+    found_.clear();
     for (const RigidShape& shape : shapes) {
         const RigidState& at = states[shape.body];
         const Mat<3> R = at.orientation.toRotationMatrix();
@@ -54,55 +54,55 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
             points[soil].near(shape, at, scene.grid, [&](int i) {
                 const Vec3 x = points[soil].position(i);
                 const Vec3 local = R.transpose() * (x - at.position);
-                double gap = -std::numeric_limits<double>::max();
-                Vec3 n;
                 const Surface nearest = shape.nearest(local, reach);
                 if (nearest.distance > reach) return;
+                double gap = -std::numeric_limits<double>::max(), half = 0;
+                Vec3 n;
                 shape.directions(local, nearest, [&](const Surface& s) {
                     const Vec3 normal = R * s.normal;
-                    const double clear = s.distance - points[soil].halfAlong(normal);
+                    const double along = points[soil].halfAlong(normal), clear = s.distance - along;
                     if (clear <= gap) return;
                     gap = clear;
+                    half = along;
                     n = normal;
                 });
-                const double half = points[soil].halfAlong(n);
                 if (gap >= near + BodyPoints<Dim>::mostStretch * half) return;
-                RigidContactPoint contact;
-                contact.soil = soil;
-                contact.body = shape.body;
-                contact.id = points[soil].id(i);
-                contact.normal = n;
-                contact.point = x;
-                contact.gap = gap;
-                contact.place = i;
-                contact.shape = int(&shape - shapes.data());
-                contact.edge = local - nearest.distance * nearest.normal;
-                contacts.push_back(contact);
+                const int number = int(&shape - shapes.data());
+                found_.push_back({{soil, points[soil].id(i), shape.body, gap, number, i},
+                                  n,
+                                  x,
+                                  local - nearest.distance * nearest.normal});
             });
         }
     }
-    return contacts;
+    keep(shapes, contacts);
 }
 
-void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes) {
-    std::vector<const RigidContactPoint*> sorted; // a contact is too large to be sorted itself
-    for (const RigidContactPoint& c : contacts) sorted.push_back(&c);
-    std::sort(sorted.begin(), sorted.end(), [](const RigidContactPoint* a, const RigidContactPoint* b) {
-        const auto key = [](const RigidContactPoint* c) {
-            return std::tuple_cat(c->pair(), std::tie(c->gap, c->shape));
-        };
-        return key(a) < key(b);
-    });
-    std::vector<RigidContactPoint> kept;
-    kept.reserve(contacts.size());
-    for (const RigidContactPoint* c : sorted) {
+void NearContacts::keep(const std::vector<RigidShape>& shapes, std::vector<RigidContactPoint>& contacts) {
+    order_.clear();
+    for (int i = 0; i < int(found_.size()); ++i) order_.emplace_back(found_[i].key, i);
+    std::sort(order_.begin(), order_.end());
+    contacts.clear();
+    for (const auto& [key, i] : order_) {
+        const Found& f = found_[i];
         bool isRepeat = false;
-        for (size_t k = kept.size(); k-- > 0 && kept[k].pair() == c->pair();)
-            isRepeat |= kept[k].normal.dot(c->normal) > sameSide ||
-                        shapes[kept[k].shape].nearest(c->edge).distance < -kept[k].gap;
-        if (!isRepeat) kept.push_back(*c);
+        for (size_t k = contacts.size(); k-- > 0;) {
+            const RigidContactPoint& c = contacts[k];
+            if (c.soil != key.soil || c.id != key.id || c.body != key.body) break;
+            isRepeat |=
+                c.normal.dot(f.normal) > sameSide || shapes[c.shape].nearest(f.edge).distance < -c.gap;
+        }
+        if (isRepeat) continue;
+        RigidContactPoint& contact = contacts.emplace_back();
+        contact.soil = key.soil;
+        contact.body = key.body;
+        contact.id = key.id;
+        contact.gap = key.gap;
+        contact.shape = key.shape;
+        contact.place = key.place;
+        contact.normal = f.normal;
+        contact.point = f.point;
     }
-    contacts.swap(kept);
 }
 
 void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidContactPoint>& before) {
@@ -133,19 +133,26 @@ void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& poi
         half.stretch = std::max(0.0, half.stretch + off / points[half.soil].halfAlong(half.normal));
         half.force *= 0.5;
     };
+    const auto isBefore = [](auto& a, auto& b) { return a.pair() < b.pair(); };
     std::vector<RigidContactPoint> made;
-    for (size_t s = 0; s < points.size(); ++s)
-        for (const CutBox<Dim>& cut : justCut(*scene.bodies[s]))
-            for (RigidContactPoint& c : history) {
-                if (c.soil != int(s) || c.id != cut.kept) continue;
-                made.push_back(c);
+    for (int s = 0; s < int(points.size()); ++s)
+        for (const CutBox<Dim>& cut : justCut(*scene.bodies[s])) {
+            const auto isBeforeBox = [&](const RigidContactPoint& c, int64_t id) {
+                return c.soil != s ? c.soil < s : c.id < id;
+            };
+            auto c = std::lower_bound(history.begin(), history.end(), cut.kept, isBeforeBox);
+            for (; c != history.end() && c->soil == s && c->id == cut.kept; ++c) {
+                made.push_back(*c);
                 made.back().id = cut.made;
                 give(made.back(), -cut.offset);
-                give(c, cut.offset);
+                give(*c, cut.offset);
             }
-    history.insert(history.end(), made.begin(), made.end());
-    const auto isBefore = [](auto& a, auto& b) { return a.pair() < b.pair(); };
-    if (!made.empty()) std::stable_sort(history.begin(), history.end(), isBefore);
+        }
+    if (made.empty()) return;
+    std::stable_sort(made.begin(), made.end(), isBefore);
+    const auto known = history.insert(history.end(), made.begin(), made.end());
+    if (known != history.begin() && isBefore(*known, *std::prev(known))) // another body has larger ids
+        std::inplace_merge(history.begin(), known, history.end(), isBefore);
 }
 
 template <int Dim>
@@ -190,12 +197,12 @@ bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, Mapped
     return c.pushes() || !isClear;
 }
 
-template std::vector<RigidContactPoint> findNearContacts(const Scene<2>&, const std::vector<BodyPoints<2>>&,
-                                                         const std::vector<RigidShape>&,
-                                                         const std::vector<RigidState>&);
-template std::vector<RigidContactPoint> findNearContacts(const Scene<3>&, const std::vector<BodyPoints<3>>&,
-                                                         const std::vector<RigidShape>&,
-                                                         const std::vector<RigidState>&);
+template void NearContacts::find(const Scene<2>&, const std::vector<BodyPoints<2>>&,
+                                 const std::vector<RigidShape>&, const std::vector<RigidState>&,
+                                 std::vector<RigidContactPoint>&);
+template void NearContacts::find(const Scene<3>&, const std::vector<BodyPoints<3>>&,
+                                 const std::vector<RigidShape>&, const std::vector<RigidState>&,
+                                 std::vector<RigidContactPoint>&);
 template void cutHistory(const Scene<2>&, const std::vector<BodyPoints<2>>&, std::vector<RigidContactPoint>&);
 template void cutHistory(const Scene<3>&, const std::vector<BodyPoints<3>>&, std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const Scene<2>&, const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,

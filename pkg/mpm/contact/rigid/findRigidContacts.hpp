@@ -8,16 +8,39 @@
 
 namespace mpm {
 
-// Points that overlap or nearly do. points: of each body of the scene.
-template <int Dim>
-std::vector<RigidContactPoint>
-findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
-                 const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states);
+// Points that overlap or nearly do, sorted. Of the contacts of a pair that look the same way only the deepest
+// counts (flush boxes of a clump, neighbouring facets), and none at an edge that is hidden in the surface of a
+// shape which is touched more deeply.
+class NearContacts {
+  public:
+    // points: of each body of the scene.
+    template <int Dim>
+    void find(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+              const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states,
+              std::vector<RigidContactPoint>& contacts);
 
-// Of the contacts of a pair that look the same way only the deepest counts (flush boxes of a clump,
-// neighbouring facets), and none at an edge that is hidden in the surface of a shape which is touched more
-// deeply. Sorts them.
-void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes);
+  private:
+    // Sorted instead of contacts, which are ten times as large.
+    struct Key {
+        int soil;
+        int64_t id;
+        int body;
+        double gap;
+        int shape, place; // place: of the point in its body
+        bool operator<(const Key& other) const {
+            return std::tie(soil, id, body, gap, shape) <
+                   std::tie(other.soil, other.id, other.body, other.gap, other.shape);
+        }
+    };
+    struct Found {
+        Key key;
+        Vec3 normal, point, edge;
+    };
+    std::vector<Found> found_; // these two only keep their memory from step to step
+    std::vector<std::pair<Key, int>> order_;
+
+    void keep(const std::vector<RigidShape>& shapes, std::vector<RigidContactPoint>& contacts);
+};
 
 // Stretch, slip and last place of contacts that were there in the step before; the slip turns with the
 // normal. Both are sorted.

@@ -147,10 +147,11 @@ def asSpacing(spacing, dim, name):
     return np.broadcast_to(array, (dim,)).copy()
 
 
-def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB):
+def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB, orElse=""):
     """Refuse two bodies of which any two box-shaped particle domains overlap; touching is fine.
 
-    name: of each body. positions: (N, dim) centres. halfSize: number, (dim,) or (N, dim).
+    name: of each body. positions: (N, dim) centres. halfSize: number, (dim,) or (N, dim). orElse: what
+    else the error tells to do.
     Raises ValueError naming both bodies and one place if domains overlap by more than 1e-6 of
     the smallest half size.
     """
@@ -168,7 +169,7 @@ def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB):
         count = f"{len(overlapping)} {'particle' if len(overlapping) == 1 else 'particles'}"
         raise ValueError(
             f"Scene.add: bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
-            f"({count} of '{nameA}'); subtract one region from the other"
+            f"({count} of '{nameA}'); subtract one region from the other{orElse}"
         )
 
 

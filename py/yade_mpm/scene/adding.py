@@ -28,6 +28,8 @@ from .hybrid import addHybrid
 from .running import refuseDuringStep
 from .wetting import checkWater, giveWater, waterOf
 
+CUT_BOXES = "; where it is, a slanted edge cuts boxes: particles=mpm.UGIMP(perCell=2, cut=True)"
+
 
 class Bodies(tuple):
     """The bodies of a scene, which stay: checkpoints and contact know them by number."""
@@ -195,7 +197,8 @@ def _added(scene, name, region, material, type, options, exclude=None, on=None):
         build(body, geometry)
         material._giveTo(body)
         for other in (one for one in scene.bodies[:-1] if one not in below):
-            checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body))
+            advice = CUT_BOXES if any(map(_areWholeBoxes, (other, body))) else ""
+            checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body), advice)
     except Exception:
         drop(scene, body)
         raise
@@ -322,6 +325,10 @@ def addConverted(scene, body):
     other = newBody(scene, name, body.material, classes["UGIMP"](), None, *options)
     build(other, Boxes(np.zeros((0, scene.dim)), spacing / 2))
     body.convertTo(other)
+
+
+def _areWholeBoxes(body):
+    return body.cells is None and body.region is not None and not getattr(body.type, "cut", False)
 
 
 def _innerBoxes(body):

@@ -39,7 +39,7 @@ def test_soil_presses_on_a_beam_as_on_a_solid_of_the_same_stiffness():
         made = scene(solid=solid)
         made.run(until=0.2, progress=False)
         before = mpm.facePressure(made["wall"])
-        made.run(until=0.4, progress=False)
+        made.run(until=0.1, progress=False)
         pressure = mpm.facePressure(made["wall"], since=before)
         thrust.append([pressure.side(side).total[0] for side in ("left", "right")])
         thrust[-1].append(pressure.side("bottom").total[1])
@@ -111,7 +111,7 @@ def test_a_section_is_a_parameter_of_a_study():
     stiff, soft = (scene(EI=EI) for EI in (500.0, 50.0))
     moved = []
     for made in (stiff, soft):
-        made.run(until=0.1, progress=False)
+        made.run(until=0.4, progress=False)
         forces = mpm.sectionForces(made["wall"], "y")
         moved.append(np.abs(np.diff(forces.displacement[:, 0], 2)).max())
     assert moved[1] > 2 * moved[0]
@@ -169,3 +169,38 @@ def add(*beside, dim=2, size=None, **options):
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+def inclined(**particles):
+    """A wall that leans on sand; each side of it presses with K0 gamma z on its height."""
+    made = mpm.Scene((0, 0), (4, 3), 0.25, gravity=9.81, damping=0.3, threads=1)
+    made.fix("bottom")
+    made.roller("left", "right")
+    beam = mpm.Beam([(1.6, 0.5), (2.4, 2.5)], **SECTION)
+    sand = mpm.MohrCoulomb(density=1.8, young=2e4, poisson=0.3, cohesion=1.0, frictionAngle=0.55)
+    soil = made.add("soil", box((0, 0), (4, 2)) - beam.region, sand, mpm.UGIMP(**particles))
+    return made, soil, beam
+
+
+def test_the_error_of_soil_beside_an_inclined_beam_says_how_boxes_are_cut():
+    made, _, beam = inclined()
+    with pytest.raises(
+        ValueError,
+        match=r"subtract one region from the other; where it is, .*mpm.UGIMP\(perCell=2, cut=True\)",
+    ):
+        made.add("wall", beam)
+
+
+def test_cut_soil_presses_on_both_faces_of_an_inclined_beam():
+    made, soil, beam = inclined(perCell=2, cut=True)
+    wall = made.add("wall", beam)
+    assert soil.volume.sum() == pytest.approx(8 - 0.5 * 1.5 * np.hypot(1, 0.4), rel=0.01)
+    made.contact(wall, soil, friction=0.2).sharedCells = False
+    made.initialStress(surface=2, K0=0.5)
+    made.run(until=0.05, progress=False)
+    before = mpm.facePressure(wall)
+    made.run(until=0.1, progress=False)
+    pressure = mpm.facePressure(wall, since=before)
+    thrust = 0.5 * 1.8 * 9.81 * 1.5**2 / 2
+    for side, sign in ("left", 1), ("right", -1):  # the wall is lighter than the soil and moves a little
+        assert sign * pressure.side(side).total[0] == pytest.approx(thrust, rel=0.2)

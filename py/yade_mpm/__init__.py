@@ -13,6 +13,7 @@ polygonsFromFile, solidFromFile   regions from GeoJSON and DXF, from STL and OBJ
 particles, particlesFromFile, ParticleSet                        particles from arrays, CSV, VTU
 heightField, readTerrain, Terrain, TerrainMaps                   ground by heights on a raster, maps of flows
 Mesh, meshFromFile, meshesFromFile, meshFromArrays, inRows       meshes; scene.add takes a file's name, too
+meshesFromRegions              meshes of regions with slanted edges, made by Gmsh
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
 MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
 NorSand, Sanisand                  sands of critical states; Sanisand for cycles
@@ -72,6 +73,7 @@ from .engine.prescribed import Drive, Hold
 from .engine.rigidContact import RigidContact
 from .engine.supports import Anchor, Force, PointForce, Spring, Strut, SurfaceLoad
 from .geometry.mesh import Mesh
+from .geometry.meshedRegions import meshesFromRegions
 from .geometry.meshInput import meshesFromFile, meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
 from .geometry.particleSet import ParticleSet, particles, particlesFromFile

@@ -35,6 +35,7 @@ from .geometry.meshInput import meshFromArrays as meshFromArrays
 from .geometry.meshInput import meshFromFile as meshFromFile
 from .geometry.meshInput import meshesFromFile as meshesFromFile
 from .geometry.meshRows import inRows as inRows
+from .geometry.meshedRegions import meshesFromRegions as meshesFromRegions
 from .geometry.particleSet import ParticleSet as ParticleSet
 from .geometry.particleSet import particles as particles
 from .geometry.particleSet import particlesFromFile as particlesFromFile

@@ -43,8 +43,8 @@ def meshesFromRegions(
     start, end : m, ends along the axis, for a mesh of hexahedra; default: a mesh in 2D.
     axis : "x", "y" or "z", of the mesh of hexahedra; the regions are in the two others, as of `prism`.
 
-    Returns a dict name -> Mesh. Raises ImportError where gmsh is missing, ValueError for regions that overlap,
-    are empty, or that Gmsh cannot mesh.
+    Returns a dict name -> Mesh. Raises ImportError where gmsh is missing, ValueError for regions that overlap
+    or are empty, or that Gmsh cannot mesh.
     """
     if (start is None) != (end is None) or start is not None and not start < end:
         raise ValueError(

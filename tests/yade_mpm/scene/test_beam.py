@@ -39,7 +39,7 @@ def test_soil_presses_on_a_beam_as_on_a_solid_of_the_same_stiffness():
         made = scene(solid=solid)
         made.run(until=0.2, progress=False)
         before = mpm.facePressure(made["wall"])
-        made.run(until=0.1, progress=False)
+        made.run(until=0.4, progress=False)
         pressure = mpm.facePressure(made["wall"], since=before)
         thrust.append([pressure.side(side).total[0] for side in ("left", "right")])
         thrust[-1].append(pressure.side("bottom").total[1])
@@ -111,7 +111,7 @@ def test_a_section_is_a_parameter_of_a_study():
     stiff, soft = (scene(EI=EI) for EI in (500.0, 50.0))
     moved = []
     for made in (stiff, soft):
-        made.run(until=0.4, progress=False)
+        made.run(until=0.1, progress=False)
         forces = mpm.sectionForces(made["wall"], "y")
         moved.append(np.abs(np.diff(forces.displacement[:, 0], 2)).max())
     assert moved[1] > 2 * moved[0]

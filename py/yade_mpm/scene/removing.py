@@ -10,6 +10,7 @@ from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..engine.supports import PointForce, Spring
+from ..geometry.numbers import placeText
 from ..geometry.region import Region
 from ..material.materials import isBeam
 from ..particle.body import Body
@@ -19,6 +20,7 @@ from .convertingToMesh import dropBoxes
 from .filling import LEAST_SHARE
 from .running import refuseDuringStep, refuseMidStep
 
+INSET = 1e-6  # of a domain: round-off of its corners
 SAMPLES = 8  # along each edge of a box, to find what of it a region holds
 
 
@@ -38,7 +40,7 @@ def remove(scene, body: Body | None = None, region: Region | None = None) -> flo
     body : Body of this scene; default None: all that yield, so that walls and props stay.
     region : Region; default None: all of the body. Boxes that its edge cuts keep the mass, the volume and
         the centre of what is left of them; of a mesh whole domains go, by their centre, and a warning says
-        how many are cut.
+        how many are cut, and how `convert` makes boxes of them.
 
     Returns the mass that was taken out, Mg (plane strain: per metre; axisymmetric: of the whole
     circumference). Raises ValueError for a body of another scene, one that a Drive, a BoundaryLoad, a Spring
@@ -114,13 +116,7 @@ def _partsOutside(body, region):
 def _removeParts(scene, body, region, share, centre):
     gone = np.flatnonzero(share < LEAST_SHARE)
     if isinstance(body.type, MeshedType):
-        lower, upper = body.corners().min(axis=1), body.corners().max(axis=1)
-        cut = region.contains(lower[gone]) & region.contains(upper[gone])
-        if not cut.all():
-            warnUser(
-                f"body '{body.name}': remove: the region cuts {(~cut).sum()} domains of its mesh, which go "
-                "whole; end it where domains end, or use boxes there"
-            )
+        _warnOfCutDomains(body, region)
         dropDomains(scene, body, Boxes(np.zeros((0, scene.dim)), scene.cell / 4), gone)
         return
     part = np.flatnonzero((share >= LEAST_SHARE) & (share < 1))
@@ -131,6 +127,23 @@ def _removeParts(scene, body, region, share, centre):
     if len(gone):
         dropBoxes(body, gone)
     body._core.massesChanged()
+
+
+def _warnOfCutDomains(body, region):
+    """Warns of domains with corners on both sides, with the line that makes boxes of them."""
+    corners = body.corners()
+    middle = body.position[:, None]
+    within = middle + (1 - INSET) * (corners - middle)  # corners on the edge of the region are on one side
+    isIn = region.contains(within.reshape(-1, body.scene.dim)).reshape(corners.shape[:2])
+    cut = isIn.any(axis=1) & ~isIn.all(axis=1)
+    if not cut.any():
+        return
+    lower, upper = (placeText(f(corners[cut].reshape(-1, body.scene.dim), axis=0)) for f in (np.min, np.max))
+    warnUser(
+        f"body '{body.name}': remove: the region cuts {cut.sum()} domains of its mesh, which go or stay "
+        "whole; end it where domains end, or make boxes of them before it, which are cut: "
+        f"scene['{body.name}'].convert(mpm.box({lower}, {upper}), mpm.UGIMP())"
+    )
 
 
 def _refuseHeld(scene, body, ids):

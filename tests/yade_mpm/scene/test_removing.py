@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies that are taken out of a scene between two runs, as in an excavation."""
 
+import warnings
+
 import numpy as np
 import pytest
 import yade_mpm as mpm
@@ -111,3 +113,27 @@ def test_no_body_goes_in_the_middle_of_a_step():
     scene.engines = [*scene.engines, mpm.PyRunner(remove, iterPeriod=1)]
     scene.run(steps=1, progress=False)
     assert told and scene["upper"].count
+
+
+def test_a_slanted_cut_of_a_mesh_names_the_line_that_makes_boxes_which_are_cut():
+    pit = mpm.polygon([(2, 0.6), (4, 0.6), (4, 3), (2.9, 3)])  # 2.43 m2 of it below the surface
+
+    def ground():
+        scene = mpm.Scene((0, 0), (4, 3), 0.5, gravity=9.81)
+        soil = mpm.MohrCoulomb(density=1.8, young=1e4, poisson=0.3, cohesion=1.0, frictionAngle=0.5)
+        scene.add("soil", mpm.box((0, 0), (4, 2)), soil, mpm.APDI(size=0.5))
+        return scene
+
+    exact = 1.8 * (2 * 1.4 - 0.5 * 1.4 * 1.4 * 0.9 / 2.4)
+    scene = ground()
+    with pytest.warns(UserWarning, match=r"the region cuts \d+ domains of its mesh") as told:
+        assert abs(scene.remove(region=pit) / exact - 1) > 0.02
+    line = str(told[0].message).split("which are cut: ")[1]
+    scene = ground()
+    eval(line, {"scene": scene, "mpm": mpm})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert scene.remove(region=pit) == pytest.approx(exact, rel=0.01)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    scene.run(steps=20, progress=False)

@@ -156,23 +156,27 @@ def test_far_from_the_axis_it_is_plane_strain(kind, fbar, tolerance):
     assert moved[0] == pytest.approx(moved[1], abs=tolerance * np.abs(moved[1]).max())
 
 
-def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49):
-    """Load of a circular footing of one metre over its area and the strength, late in the run."""
+def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49, depth=0, end=1.05):
+    """Load of a circular footing of one metre over its area and the strength, in the last 0.2 s. It stands
+    on the ground of an open hole of that depth, m."""
     h = 1 / (cells + 0.5)  # what holds nodes presses half a cell beyond the last one
-    wide, deep = np.ceil(4 / h) * h, np.ceil(3 / h) * h
+    depth = round(depth / h) * h
+    wide, deep = np.ceil((4 + depth) / h) * h, np.ceil((3 + depth) / h) * h
     scene = mpm.Scene((0, 0), (wide, deep + 4 * h), h, axisymmetric=True, threads=1, damping=0.5)
     clay = mpm.Tresca(
         density=2.0, lame=(2 * shear * poisson / (1 - 2 * poisson), shear), undrainedStrength=su
     )
-    scene.add("soil", mpm.box((0, 0), (wide, deep)), clay, mpm.APDI(size=h))
+    hole = mpm.box((-h, deep - depth), ((cells + 1) * h, deep + h))
+    scene.add("soil", mpm.box((0, 0), (wide, deep)) - hole, clay, mpm.APDI(size=h))
     scene.roller("right")
     scene.fix("bottom")
-    nodes = mpm.box((-3 * h, deep - 0.1 * h), ((cells + 0.1) * h, deep + 3 * h))
+    base = deep - depth
+    nodes = mpm.box((-3 * h, base - 0.1 * h), ((cells + 0.1) * h, base + (0.1 if depth else 3) * h))
     across = 0.0 if isRough else None
     press = scene.drive(nodes, velocity=(across, -0.02), ramp=0.1, name="footing")
-    scene.run(until=0.85, progress=False)
+    scene.run(until=end - 0.2, progress=False)
     before = press.impulse[1]
-    scene.run(until=1.05, progress=False)
+    scene.run(until=end, progress=False)
     return (before - press.impulse[1]) / 0.2 / np.pi / su
 
 
@@ -181,6 +185,17 @@ def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49):
 @pytest.mark.verifies("Circular footing on clay, 7 cells: load", reference="Cox et al. 1961", tolerance=0.03)
 def test_a_circular_footing_has_its_limit_load(isRough, exact, verified):
     verified(footing(isRough), exact)
+
+
+@pytest.mark.parametrize("depth, found", [(1, 7.1), (2, 7.7), (4, 8.4)])
+@pytest.mark.filterwarnings("ignore:.*is a mesh and flows")
+@pytest.mark.verifies(
+    "Circular footing in a hole in clay, 7 cells: load", reference="Skempton 1951", tolerance=0.08
+)
+def test_depth_adds_to_the_load_as_skempton_found(depth, found, verified):
+    """Rough base, free walls, the depth over the diameter of 0.5, 1 and 2: read from his chart for circles,
+    which begins at 6.2 and ends at 9."""
+    verified(footing(True, depth=depth, end=1.5), found)
 
 
 @pytest.mark.verifies("Axial symmetry: adhesion on a shaft", reference="2 pi R L a", tolerance=0.05)

@@ -2,6 +2,7 @@
 // Step 5: velocity gradient, deformation, volume, stress, and the vertices of the domains.
 #include "mpm/base/parallel/OrderedSum.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/step/BoxParts.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/StressUpdate.hpp"
@@ -55,6 +56,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             for (auto& body : scene.bodies)
                 if (actsByCells(*body)) CellForces::findMeans(region, *body);
             sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
+            if (auto* pressing = scene.template find<PressingOnBoxes>())
+                region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->lastInternalWork = work_[b].total() + scene.bodies[b]->domains->finishStep();
@@ -178,6 +181,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         if (byCells && scene.sharedCells->isWanted)
             region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
+        auto* const parts = partsOf(scene, body);
+        if (parts) region.once([&] { parts->takeFluxes(scene.grid, nodes); });
         const bool atOnce = body.material->takesWholeBody(); // its stress comes with wholeBody()
         const auto of = [&](int p) { return value[p]; };
         cells.template average<false>(region, volume, of, [&](int number, auto& cell) {
@@ -188,6 +193,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             else if (byCells)
                 cell.mean =
                     cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
+            if (parts && cell.shared == 0)
+                cell.mean =
+                    parts->rate(number, cell.mean, cells.acting(cell, cell.share * cell.whole), cell.uneven);
             if (cell.shared > 0 && cell.isOpen)
                 cell.mean = scene.sharedCells->openRate(number, cell.shared, dt, cell.mean, shared);
             cells.give(number, [&](int, int p) { return cell.mean - value[p]; });
@@ -218,6 +226,16 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) takeLinear(body, begin, end);
         });
+    }
+
+    // Of boxes beside rigid bodies; nullptr: there are none.
+    template <int Dim> static BoxParts<Dim>* partsOf(const Scene<Dim>& scene, const Body<Dim>& body) {
+        auto* const pressing = scene.template find<PressingOnBoxes>();
+        if (!pressing) return nullptr;
+        auto& parts = pressing->template parts<Dim>();
+        for (size_t b = 0; b < parts.size(); ++b)
+            if (scene.bodies[b].get() == &body && !parts[b].empty()) return &parts[b];
+        return nullptr;
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the

@@ -5,6 +5,7 @@
 
 #include "mpm/contact/rigid/findRigidContacts.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/step/BoxParts.hpp"
 
 #include <optional>
 
@@ -33,7 +34,7 @@ struct RigidPair {
     }
 };
 
-class RigidContact : public EngineOf<RigidContact> {
+class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes {
   public:
     std::vector<double> friction;     // -, of each rigid body,
     std::vector<double> masses;       // Mg (2D: Mg/m), and its mass; zero: it does not yield
@@ -81,6 +82,10 @@ class RigidContact : public EngineOf<RigidContact> {
     void setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
                    const std::vector<double>& velocities, const std::vector<double>& angularVelocities);
     void setState(int body, const RigidState& state);
+    void forPressed(const std::function<void(int, const Vec3&)>& f) const override {
+        for (const RigidContactPoint& c : history)
+            if (c.pushes()) f(c.soil, c.point);
+    }
     void clearImpulses() { impulses.assign(bodies(), {}); }
 
     template <int Dim> void act(Scene<Dim>& scene);

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The mean stress of boxes beside rigid bodies, where it reaches up to the surface: there some cells act
+// whole, others by their particles (share s, see CellAverage). A box counts in the cell c of its centre. Its
+// part in a cell j that acts whole would act twice, and one beyond such a cell not at all. With the
+// volume V_j of these parts and their centres x_j, where hat functions have their means over the part,
+//     f_i -= p_c sum_j (s_c - s_j) V_j grad S_i(x_j),
+//     r_c = (V_a r_c + eta sum_j (s_c - s_j) V_j sum_i v_i . grad S_i(x_j))/(V_a + sum_j (s_c - s_j) V_j),
+// each the transpose of the other. So a pressure that is the same everywhere is in equilibrium with bodies
+// that press on the faces of boxes. At a free surface there is no mean stress that could count twice.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+#include "mpm/state/cover.hpp"
+
+#include <functional>
+
+namespace mpm {
+
+// Of one body of the scene.
+template <int Dim> class BoxParts {
+  public:
+    void clear() {
+        parts_.clear();
+        cells_.clear();
+    }
+    bool empty() const { return parts_.empty(); }
+
+    // isNear(cell): whose boxes count. insideOf(cell): s.
+    template <class IsNear, class InsideOf>
+    void find(const Body<Dim>& body, const Grid<Dim>& grid, int lowest, int highest, IsNear&& isNear,
+              InsideOf&& insideOf) {
+        const Vec<Dim> half = body.domains->boxes()->halfSize();
+        body.cellAverage.forCells(lowest, highest, [&](int p, int own) {
+            if (isNear(own)) cut(body, grid, p, own, half, insideOf);
+        });
+        std::stable_sort(parts_.begin(), parts_.end(),
+                         [](const Part& a, const Part& b) { return a.own < b.own; });
+        for (const Part& part : parts_) {
+            if (cells_.empty() || cells_.back().number != part.own) cells_.push_back({part.own});
+            cells_.back().volume += part.volume;
+        }
+    }
+    // Adds the forces of the mean stress of the cells to the nodes.
+    void addForces(const Body<Dim>& body, const Grid<Dim>& grid, typename NodalField<Dim>::Sum* nodes) const {
+        for (const Part& part : parts_) {
+            const auto& cell = *body.cellAverage.occupied(part.own);
+            if (cell.shared > 0) continue;
+            forCorners(grid, part, [&](int node, const Vec<Dim>& slope) {
+                for (int k = 0; k < Dim; ++k)
+                    NodalField<Dim>::addForce(nodes[node], k, -cell.mean * part.volume * slope[k]);
+            });
+        }
+    }
+    // Before rate(): what flows into the parts of each cell.
+    template <class Velocity> void takeFluxes(const Grid<Dim>& grid, const Velocity* nodes) {
+        auto cell = cells_.begin();
+        for (auto& each : cells_) each.flux = 0;
+        for (const Part& part : parts_) {
+            while (cell->number != part.own) ++cell;
+            forCorners(grid, part, [&](int node, const Vec<Dim>& slope) {
+                for (int k = 0; k < Dim; ++k) cell->flux += part.volume * slope[k] * nodes[node][k];
+            });
+        }
+    }
+    // Rate of volume change of a cell with its parts, 1/s, from that without; acting: volume of this one, m3.
+    double rate(int number, double without, double acting, double uneven) const {
+        const auto at = std::lower_bound(cells_.begin(), cells_.end(), number,
+                                         [](const Own& cell, int n) { return cell.number < n; });
+        if (at == cells_.end() || at->number != number) return without;
+        return (without * acting + uneven * at->flux) / (acting + at->volume);
+    }
+
+  private:
+    struct Part {
+        int own, cell;     // that counts the box, and that the part lies in
+        double volume;     // m3, times s_c - s_j
+        Vec<Dim> at, over; // its centre, from 0 to 1 along the edges of the cell; 1/m, over these edges
+    };
+    struct Own {
+        int number;
+        double volume = 0, flux = 0; // m3, m3/s
+    };
+    std::vector<Part> parts_; // in the order of the cells that count them
+    std::vector<Own> cells_;
+
+    template <class InsideOf>
+    void cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const Vec<Dim>& half,
+             InsideOf&& insideOf) {
+        const double volume = body.particles.volume.plane()[p], inside = insideOf(own);
+        const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
+        forAround(grid, own, [&](int other, int) {
+            if (other == own || insideOf(other) == inside) return;
+            const Index<Dim> there = grid.indices(other);
+            Part part{own, other, volume * (inside - insideOf(other)), Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+            for (int k = 0; k < Dim; ++k) {
+                const double low = grid.line(k, there[k]), edge = grid.cellSize(k, there[k]);
+                const double from = std::max(low, x[k] - half[k]), to = std::min(low + edge, x[k] + half[k]);
+                if (to <= from) return;
+                part.volume *= (to - from) / (2 * half[k]);
+                part.at[k] = (0.5 * (from + to) - low) / edge;
+                part.over[k] = 1 / edge;
+            }
+            parts_.push_back(part);
+        });
+    }
+    // f(node, gradient of its hat function at the centre of a part).
+    template <class F> static void forCorners(const Grid<Dim>& grid, const Part& part, F&& f) {
+        for (int a = 0; a < corners<Dim>; ++a) {
+            Vec<Dim> slope;
+            for (int k = 0; k < Dim; ++k) {
+                slope[k] = cornerSign(a, k) * part.over[k];
+                for (int i = 0; i < Dim; ++i)
+                    if (i != k) slope[k] *= cornerSign(a, i) > 0 ? part.at[i] : 1 - part.at[i];
+            }
+            f(cornerOf(grid, part.cell, a), slope);
+        }
+    }
+};
+
+// What an engine may be besides: bodies of its own press on boxes.
+class PressingOnBoxes {
+  public:
+    virtual ~PressingOnBoxes() = default;
+    // f(number of the body of the scene, place) for the boxes that were pressed in the last step.
+    virtual void forPressed(const std::function<void(int, const Vec3&)>& f) const = 0;
+
+    // Of each body of the scene in this step, kept by the first engine of the chain that presses.
+    template <int Dim> std::vector<BoxParts<Dim>>& parts() {
+        return std::get<std::vector<BoxParts<Dim>>>(parts_);
+    }
+
+  private:
+    std::tuple<std::vector<BoxParts<2>>, std::vector<BoxParts<3>>> parts_;
+};
+
+// Where boxes reach beyond a cell that acts whole, or into one, within two cells of those that were pressed.
+// One thread.
+template <int Dim> void findBoxParts(const Scene<Dim>& scene, std::vector<BoxParts<Dim>>& parts) {
+    const Grid<Dim>& grid = scene.grid;
+    parts.resize(scene.bodies.size());
+    std::vector<std::vector<int>> pressed(parts.size());
+    for (auto& engine : scene.engines)
+        if (auto* pressing = dynamic_cast<PressingOnBoxes*>(engine.get()); pressing && !engine->dead)
+            pressing->forPressed([&](int soil, const Vec3& at) {
+                int number = 0;
+                for (int k = 0; k < Dim; ++k) grid.addCells(k, &at[k], 1, &number);
+                pressed.at(soil).push_back(number);
+            });
+    for (size_t b = 0; b < parts.size(); ++b) {
+        const Body<Dim>& body = *scene.bodies[b];
+        parts[b].clear();
+        if (pressed[b].empty() || !actsByCells(body) || !body.domains->boxes()) continue;
+        for (int ring = 0; ring < 2; ++ring) {
+            std::vector<int> wider;
+            std::sort(pressed[b].begin(), pressed[b].end());
+            pressed[b].erase(std::unique(pressed[b].begin(), pressed[b].end()), pressed[b].end());
+            for (int cell : pressed[b])
+                forAround(grid, cell, [&](int other, int) { wider.push_back(other); });
+            pressed[b].swap(wider);
+        }
+        std::sort(pressed[b].begin(), pressed[b].end());
+        const auto insideOf = [&](int cell) {
+            double inside = 0;
+            for (auto& other : scene.bodies)
+                if (other->velocityField == body.velocityField && actsByCells(*other))
+                    if (const auto* at = std::as_const(other->cellAverage).occupied(cell))
+                        inside = std::max(inside, at->inside);
+            return inside;
+        };
+        parts[b].find(
+            body, grid, pressed[b].front(), pressed[b].back(),
+            [&](int cell) { return std::binary_search(pressed[b].begin(), pressed[b].end(), cell); },
+            insideOf);
+    }
+}
+
+// The forces of the parts, once the nodes have those of the cells. One thread.
+template <int Dim> void addBoxParts(Scene<Dim>& scene, const std::vector<BoxParts<Dim>>& parts) {
+    for (size_t b = 0; b < parts.size(); ++b)
+        if (!parts[b].empty())
+            parts[b].addForces(*scene.bodies[b], scene.grid,
+                               scene.grid.fields[scene.bodies[b]->velocityField].sum.data());
+}
+
+} // namespace mpm

@@ -122,6 +122,7 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
                 tick();
             }
         }
+        ThreadPool::countFor(int(engines.size())); // none: threads that end are no work of the last one
     });
     return taken;
 }

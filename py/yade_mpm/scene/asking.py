@@ -177,6 +177,36 @@ def drive(
     return motion
 
 
+class Drives(dict):
+    """The prescribed motions of a scene by name; `del` takes one away, and what steers it."""
+
+    def __init__(self, scene):
+        solver = scene._gridSolver("drives")
+        super().__init__((motion.name, motion) for motion in (*solver.holds, *solver.drives))
+        self._scene, self._lists = scene, (solver.holds, solver.drives)
+
+    def __delitem__(self, name):
+        refuseDuringStep(self._scene, "drives")
+        if name not in self:
+            raise KeyError(
+                f"drives: {shown(name)} is none; there are {', '.join(map(shown, self)) or 'none'}"
+            )
+        for motions in self._lists:
+            motions[:] = [motion for motion in motions if motion is not self[name]]
+        for engine in [e for e in self._scene.engines if e.label == f"{name}.velocity"]:
+            self._scene.engines.remove(engine)
+        super().__delitem__(name)
+        self._scene.stepper.noteChange()
+
+    def _refuse(self, *args, **kwargs):
+        raise TypeError(
+            "drives: scene.drive(...) makes a motion, `del scene.drives['press']` takes one away, and its "
+            "attributes change it"
+        )
+
+    __setitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+
 def _velocityRows(scene, velocity, times, ramp):
     """The table of a motion; None: its velocity is none."""
     if times is not None and not callable(velocity):

@@ -252,9 +252,9 @@ class Scene(HasEngines, HasClock, Guarded):
 
     @property
     def drives(self) -> dict[str, Drive | Hold]:
-        """What `drive` has made, by name, to be looked at and changed; those of a checkpoint, too."""
-        solver = self._gridSolver("drives")
-        return {motion.name: motion for motion in (*solver.holds, *solver.drives)}
+        """What `drive` has made, by name, to be looked at, changed, and taken away (`del`); those of a
+        checkpoint, too."""
+        return asking.Drives(self)
 
     def _thicknessAt(self, x):
         """Thickness of the scene at distances x from the axis, m: 2 pi x, in plane strain 1."""

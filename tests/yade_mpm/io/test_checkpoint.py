@@ -288,6 +288,23 @@ def test_drives_of_a_checkpoint_are_there_to_be_changed(tmp_path):
     assert loaded["soil"].velocity[:, 1].max() > 0.09, "m/s"
 
 
+@pytest.mark.parametrize("velocity", [(0, -0.1), lambda t: (0, -0.1), [(0, 0, -0.1), (9, 0, -0.1)]])
+def test_a_drive_that_is_deleted_moves_nothing(velocity):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    soil = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    body = scene.add("soil", mpm.box((0, 0), (4, 2)), soil, mpm.UGIMP())
+    scene.drive(body.above(1.5), velocity=velocity, name="press")
+    scene.drive("bottom", velocity=(0, 0), name="floor")
+    with pytest.raises(KeyError, match="'up' is none; there are 'floor', 'press'"):
+        del scene.drives["up"]
+    with pytest.raises(TypeError, match="takes one away"):
+        scene.drives.pop("press")
+    del scene.drives["press"]
+    assert list(scene.drives) == ["floor"] and not any(e.label == "press.velocity" for e in scene.engines)
+    scene.run(steps=2, progress=False)
+    assert not body.velocity.any()
+
+
 def test_a_load_may_be_added_after_a_restart(tmp_path):
     scene = hybrid()
     scene.save(tmp_path / "a.h5")

@@ -12,7 +12,7 @@ from .. import _core
 from ..base.attributes import Guarded, keep
 from ..base.html import card, table
 from ..base.keywords import checked
-from ..base.kinds import NUMBER, takes
+from ..base.kinds import LIST, NUMBER, takes
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
@@ -307,6 +307,7 @@ class MotionTable(Callback):
     @checked("MotionTable")
     def __init__(self, motion: str, table: list, label: str = "") -> None:
         super().__init__(iterPeriod=1, label=label)
+        LIST.require("MotionTable", "table", table)
         self._motion = motion
         inSpace = all(np.shape(np.array(row, object)) == (4,) for row in table)
         self._rows = velocityRows("MotionTable", table, None, 3 if inSpace else 2)

@@ -205,7 +205,7 @@ def test_pip_installs_what_the_package_imports():
     text = (root / "pyproject.toml").read_text()
     lists = [
         re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1]
-        for name in ("dependencies", "study", "maps", "view")
+        for name in ("dependencies", "study", "maps", "meshes", "solids", "view")
     ]
     asked = set(re.findall(r'"([\w-]+)', " ".join(lists)))
     assert {"numpy", "h5py"} <= imported

@@ -113,7 +113,7 @@ def _refuseOpen(points, triangles):
 
 def _vtk():
     try:
-        import vtkmodules.all as vtk
+        import vtk
     except ImportError:
         raise ImportError(
             "solidFromFile: which points are inside takes VTK, which is not installed; install it "
@@ -123,7 +123,7 @@ def _vtk():
 
 
 def _polyData(vtk, points, triangles=()):
-    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtk.util.numpy_support import numpy_to_vtk
 
     made, corners, cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
     corners.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))

@@ -13,6 +13,7 @@
 #include "mpm/state/cover.hpp"
 
 #include <functional>
+#include <map>
 
 namespace mpm {
 
@@ -25,13 +26,13 @@ template <int Dim> class BoxParts {
     }
     bool empty() const { return parts_.empty(); }
 
-    // isNear(cell): whose boxes count. insideOf(cell): s.
-    template <class IsNear, class InsideOf>
-    void find(const Body<Dim>& body, const Grid<Dim>& grid, int lowest, int highest, IsNear&& isNear,
+    // In cells from lowest to highest. isEdge(cell): whose boxes count. insideOf(cell): s.
+    template <class IsEdge, class InsideOf>
+    void find(const Body<Dim>& body, const Grid<Dim>& grid, int lowest, int highest, IsEdge&& isEdge,
               InsideOf&& insideOf) {
         const Vec<Dim> half = body.domains->boxes()->halfSize();
         body.cellAverage.forCells(lowest, highest, [&](int p, int own) {
-            if (isNear(own)) cut(body, grid, p, own, half, insideOf);
+            if (isEdge(own)) cut(body, grid, p, own, half, insideOf);
         });
         std::stable_sort(parts_.begin(), parts_.end(),
                          [](const Part& a, const Part& b) { return a.own < b.own; });
@@ -83,25 +84,38 @@ template <int Dim> class BoxParts {
     std::vector<Part> parts_; // in the order of the cells that count them
     std::vector<Own> cells_;
 
+    // Along each axis a box reaches into one of the cells beside that of its centre at most.
     template <class InsideOf>
     void cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const Vec<Dim>& half,
              InsideOf&& insideOf) {
-        const double volume = body.particles.volume.plane()[p], inside = insideOf(own);
-        const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
-        forAround(grid, own, [&](int other, int) {
-            if (other == own || insideOf(other) == inside) return;
-            const Index<Dim> there = grid.indices(other);
-            Part part{own, other, volume * (inside - insideOf(other)), Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+        const Index<Dim> index = grid.indices(own);
+        int side[Dim];
+        Vec<Dim> low, high, x = vectorAt<Dim>(body.particles.position, p);
+        for (int k = 0; k < Dim; ++k) {
+            low[k] = grid.line(k, index[k]);
+            high[k] = grid.line(k, index[k] + 1);
+            side[k] = x[k] - half[k] < low[k] ? -1 : x[k] + half[k] > high[k] ? 1 : 0;
+        }
+        for (int n = 1; n < corners<Dim>; ++n) { // along which axes it is beside
+            Part part{own, own, body.particles.volume.plane()[p], Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+            bool isThere = true;
             for (int k = 0; k < Dim; ++k) {
-                const double low = grid.line(k, there[k]), edge = grid.cellSize(k, there[k]);
-                const double from = std::max(low, x[k] - half[k]), to = std::min(low + edge, x[k] + half[k]);
-                if (to <= from) return;
+                const int step = (n >> k & 1) * side[k];
+                const int at = index[k] + step;
+                isThere &= step != 0 || (n >> k & 1) == 0;
+                isThere &= at >= grid.ghost && at < grid.ghost + grid.cells[k];
+                const double edge = grid.cellSize(k, at), start = grid.line(k, at);
+                const double from = step > 0 ? high[k] : std::max(start, x[k] - half[k]);
+                const double to = step < 0 ? low[k] : std::min(start + edge, x[k] + half[k]);
+                part.cell += step * grid.strides[k];
                 part.volume *= (to - from) / (2 * half[k]);
-                part.at[k] = (0.5 * (from + to) - low) / edge;
+                part.at[k] = (0.5 * (from + to) - start) / edge;
                 part.over[k] = 1 / edge;
             }
+            if (!isThere || insideOf(part.cell) == insideOf(own)) continue;
+            part.volume *= insideOf(own) - insideOf(part.cell);
             parts_.push_back(part);
-        });
+        }
     }
     // f(node, gradient of its hat function at the centre of a part).
     template <class F> static void forCorners(const Grid<Dim>& grid, const Part& part, F&& f) {
@@ -133,44 +147,77 @@ class PressingOnBoxes {
     std::tuple<std::vector<BoxParts<2>>, std::vector<BoxParts<3>>> parts_;
 };
 
+// Cells round some others, and what is known of them.
+template <int Dim> class MarkedCells {
+  public:
+    explicit MarkedCells(const Grid<Dim>& grid) : grid_(grid), isMarked_(grid.count), inside_(grid.count) {}
+    void add(int cell) {
+        if (!isMarked_[cell]) cells_.push_back(cell);
+        isMarked_[cell] = true;
+    }
+    void widen() {
+        const std::vector<int> before = cells_;
+        for (int cell : before) forAround(grid_, cell, [&](int other, int) { add(other); });
+    }
+    template <class F> void setInside(F&& of) {
+        for (int cell : cells_) inside_[cell] = of(cell);
+    }
+    // Whether a cell, but for the outermost, has one beside it with another share.
+    bool isEdge(int cell) const { return isMarked_[cell] == 2; }
+    void findEdges() {
+        for (int cell : cells_) {
+            bool isWithin = true, differs = false;
+            forAround(grid_, cell, [&](int other, int) {
+                isWithin &= isMarked_[other] != 0;
+                differs |= inside_[other] != inside_[cell];
+            });
+            if (isWithin && differs) edges_.push_back(cell);
+        }
+        for (int cell : edges_) isMarked_[cell] = 2;
+    }
+    double inside(int cell) const { return inside_[cell]; }
+    const std::vector<int>& edges() const { return edges_; }
+    bool empty() const { return cells_.empty(); }
+
+  private:
+    const Grid<Dim>& grid_;
+    std::vector<char> isMarked_;
+    std::vector<double> inside_; // s
+    std::vector<int> cells_, edges_;
+};
+
 // Where boxes reach beyond a cell that acts whole, or into one, within two cells of those that were pressed.
 // One thread.
 template <int Dim> void findBoxParts(const Scene<Dim>& scene, std::vector<BoxParts<Dim>>& parts) {
     const Grid<Dim>& grid = scene.grid;
     parts.resize(scene.bodies.size());
-    std::vector<std::vector<int>> pressed(parts.size());
+    for (auto& of : parts) of.clear();
+    std::map<int, MarkedCells<Dim>> pressed; // by the number of the body
     for (auto& engine : scene.engines)
         if (auto* pressing = dynamic_cast<PressingOnBoxes*>(engine.get()); pressing && !engine->dead)
             pressing->forPressed([&](int soil, const Vec3& at) {
+                if (!actsByCells(*scene.bodies.at(soil)) || !scene.bodies[soil]->domains->boxes()) return;
                 int number = 0;
                 for (int k = 0; k < Dim; ++k) grid.addCells(k, &at[k], 1, &number);
-                pressed.at(soil).push_back(number);
+                pressed.try_emplace(soil, grid).first->second.add(number);
             });
-    for (size_t b = 0; b < parts.size(); ++b) {
+    for (auto& [b, cells] : pressed) {
         const Body<Dim>& body = *scene.bodies[b];
-        parts[b].clear();
-        if (pressed[b].empty() || !actsByCells(body) || !body.domains->boxes()) continue;
-        for (int ring = 0; ring < 2; ++ring) {
-            std::vector<int> wider;
-            std::sort(pressed[b].begin(), pressed[b].end());
-            pressed[b].erase(std::unique(pressed[b].begin(), pressed[b].end()), pressed[b].end());
-            for (int cell : pressed[b])
-                forAround(grid, cell, [&](int other, int) { wider.push_back(other); });
-            pressed[b].swap(wider);
-        }
-        std::sort(pressed[b].begin(), pressed[b].end());
-        const auto insideOf = [&](int cell) {
+        for (int ring = 0; ring < 3; ++ring) cells.widen();
+        cells.setInside([&](int cell) {
             double inside = 0;
             for (auto& other : scene.bodies)
                 if (other->velocityField == body.velocityField && actsByCells(*other))
                     if (const auto* at = std::as_const(other->cellAverage).occupied(cell))
                         inside = std::max(inside, at->inside);
             return inside;
-        };
+        });
+        cells.findEdges();
+        if (cells.edges().empty()) continue;
+        const auto [lowest, highest] = std::minmax_element(cells.edges().begin(), cells.edges().end());
         parts[b].find(
-            body, grid, pressed[b].front(), pressed[b].back(),
-            [&](int cell) { return std::binary_search(pressed[b].begin(), pressed[b].end(), cell); },
-            insideOf);
+            body, grid, *lowest, *highest, [&](int cell) { return cells.isEdge(cell); },
+            [&](int cell) { return cells.inside(cell); });
     }
 }
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Axisymmetric bodies pressed deep into clay: a cone (scripts/cone.py) and a spudcan (scripts/spudcan.py).
+"""Axisymmetric bodies pressed deep into clay: a cone, a spudcan and tubes (scripts/cone.py and others).
 
 References and their sources are in the docstrings of the scripts.
 """
 
+import numpy as np
 import pytest
 from asModules import runScript, script
 
@@ -54,3 +55,32 @@ def test_clay_flows_back_below_the_published_depth(verified):
     for summary in (weak, strong):
         verified(summary["cavity"], summary["exact"])
     assert strong["cavity"] > 1.3 * weak["cavity"]
+
+
+# --- tubes ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
+def test_the_formula_has_the_shafts_and_the_tip(alpha):
+    """R = 1 m, a wall of half of it, 2 m deep, filled to the surface: 9 su + gamma z = 120 kPa on the tip."""
+    tube = script("tube")
+    wall, plugged = tube.formula(tube.arguments(["--wall", "0.5", "--alpha", str(alpha)]), 2.0, 2.0)
+    assert wall == pytest.approx(np.pi * (120 * 0.75 + 60 * alpha))
+    assert plugged == pytest.approx(np.pi * (120 + 40 * alpha))
+
+
+def test_friction_inside_takes_the_plug_down():
+    """From 2.25 R on, by equilibrium of the plug. Control: in a smooth tube the soil of the wall goes up."""
+    pile = "--kind", "open", "--wall", "0.5", "--cells", "4", "--depth", "3"
+    rough, smooth = (run("tube", *pile, "--alpha", alpha) for alpha in ("1", "0"))
+    assert rough["filling"] < 0.75 and rough["inside"] < 0.9
+    assert smooth["filling"] > 1.2 and 1.2 < smooth["inside"] < 2
+
+
+@slow
+@pytest.mark.parametrize("kind", ["caisson", "open", "closed"])
+@pytest.mark.verifies(
+    "Caisson, open and closed pile in clay: resistance", reference="Houlsby & Byrne 2005", tolerance=0.2
+)
+def test_tubes_resist_as_by_the_formula(kind, verified):
+    summary = run("tube", "--kind", kind)
+    verified(summary["error"], 0, scale=1)
+    assert {"caisson": 1.05 < summary["filling"] < 1.44, "open": summary["filling"] < 0.7}.get(kind, True)

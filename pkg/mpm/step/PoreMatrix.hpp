@@ -7,6 +7,7 @@
 #pragma once
 
 #include "mpm/base/parallel/OrderedSum.hpp"
+#include "mpm/step/PoreCoarse.hpp"
 #include "mpm/step/PoreSystem.hpp"
 
 #include <cmath>
@@ -25,7 +26,10 @@ template <int Dim> class PoreMatrix {
         region.chunks(unknowns_, [&](int begin, int end) {
             for (int c = begin; c < end; ++c) fillRow(system, c);
         });
-        region.once([&] { addFaces(system); });
+        region.once([&] {
+            addFaces(system);
+            addBlocks(system);
+        });
         findDiagonal(region, system);
     }
 
@@ -52,15 +56,10 @@ template <int Dim> class PoreMatrix {
         int iteration = 0;
         for (advance(region, 0, 1); off_ > 0; ++iteration) {
             if (iteration == most) return -1;
+            region.once([&] { now_ += coarse_.solve(residual_); });
             const double part = iteration > 0 ? now_ / before : 0;
             before = now_;
-            region.chunks(unknowns_, [&](int begin, int) {
-                forRuns(begin, [&](int first, int last) {
-#pragma GCC ivdep
-                    for (int p = first; p < last; ++p)
-                        direction_[p] = overDiagonal_[p] * residual_[p] + part * direction_[p];
-                });
-            });
+            region.chunks(unknowns_, [&](int begin, int) { turn(begin, part); });
             findProduct(region, system);
             advance(region, now_ / power_, now_ / power_);
         }
@@ -93,6 +92,7 @@ template <int Dim> class PoreMatrix {
     std::vector<Entry> byOther_, byCell_;    // with the cell, and with the place among the others
     std::vector<Vec<Dim>> impulse_, answer_; // of the others; of all nodes
     std::vector<double> unknown_, acting_;   // for implicit bodies
+    PoreCoarse<Dim> coarse_;
     OrderedSum sum_, count_;
     double now_ = 0, off_ = 0, power_ = 0; // r D^-1 r; cells beyond the tolerance; d A d
 
@@ -117,6 +117,7 @@ template <int Dim> class PoreMatrix {
             runs_.back().last = place_[c] + 1;
         }
         firstRun_.push_back(int(runs_.size()));
+        coarse_.start(place_, size, first - margin, strides);
         for (auto& one : beyond_) one.assign(size, 0.0);
         for (auto* one :
              {&diagonal_, &overDiagonal_, &limit_, &solution_, &residual_, &direction_, &product_})
@@ -170,8 +171,20 @@ template <int Dim> class PoreMatrix {
         byOther_.resize(n);
     }
 
+    // In the stencil, from a cell whose corner a is a node to the one of which the node is corner b.
+    using Steps = std::array<std::array<int, corners<Dim>>, corners<Dim>>;
+    static Steps stepsTo() {
+        Steps steps{};
+        for (int a = 0; a < corners<Dim>; ++a)
+            for (int b = 0; b < corners<Dim>; ++b)
+                for (int k = Dim - 1; k >= 0; --k)
+                    steps[a][b] = 3 * steps[a][b] + 1 + (cornerSign(a, k) - cornerSign(b, k)) / 2;
+        return steps;
+    }
+
     // Of a row what is on the diagonal and beyond, without the others and without flow to the neighbours.
     void fillRow(const PoreSystem<Dim>& system, int c) {
+        static const Steps stepTo = stepsTo();
         const auto& cell = system.cells[c];
         std::array<double, around> row{};
         for (int a = 0; a < corners<Dim>; ++a) {
@@ -179,9 +192,7 @@ template <int Dim> class PoreMatrix {
             if (node.isOther) continue;
             const Vec<Dim> own = system.cornerFlow(cell, a).cwiseProduct(node.step);
             for (int b = 0; b < corners<Dim>; ++b) {
-                int step = 0; // to the cell of which the node is corner b
-                for (int k = Dim - 1; k >= 0; --k)
-                    step = 3 * step + 1 + (cornerSign(a, k) - cornerSign(b, k)) / 2;
+                const int step = stepTo[a][b];
                 if (step >= ahead && node.cells[b] >= 0)
                     row[step] += own.dot(system.cornerFlow(system.cells[node.cells[b]], b));
             }
@@ -210,6 +221,23 @@ template <int Dim> class PoreMatrix {
         }
     }
 
+    // The sums of the matrix over blocks of cells. Of implicit bodies as if each node were alone.
+    void addBlocks(const PoreSystem<Dim>& system) {
+        for (int p : place_) coarse_.add(p, p, diagonal_[p]);
+        for (int s = 0; s < ahead; ++s)
+            for (int p : place_)
+                if (const double value = beyond_[s][p]; value != 0) coarse_.add(p, p + steps_[s], value);
+        for (size_t i = 0; i < others_.size(); ++i) {
+            const auto& node = system.nodes[others_[i]];
+            const Vec<Dim> step = node.step + node.stiffStep;
+            for (int j = ofOther_[i]; j < ofOther_[i + 1]; ++j)
+                for (int k = ofOther_[i]; k <= j; ++k)
+                    coarse_.add(place_[byOther_[j].at], place_[byOther_[k].at],
+                                byOther_[j].flow.cwiseProduct(step).dot(byOther_[k].flow));
+        }
+        coarse_.factorise();
+    }
+
     // product = A direction, and power.
     void findProduct(ParallelRegion& region, const PoreSystem<Dim>& system) {
         if (!others_.empty()) findImpulses(region, system);
@@ -222,8 +250,11 @@ template <int Dim> class PoreMatrix {
                         product_[place_[c]] += byCell_[i].flow.dot(impulse_[byCell_[i].at]);
             double sum = 0;
             forRuns(begin, [&](int first, int last) {
-#pragma omp simd reduction(+ : sum)
-                for (int p = first; p < last; ++p) sum += direction_[p] * product_[p];
+                const double *const d = direction_.data(), *const product = product_.data();
+                double own = 0;
+#pragma omp simd reduction(+ : own)
+                for (int p = first; p < last; ++p) own += d[p] * product[p];
+                sum += own;
             });
             sum_.of(begin) = sum;
         });
@@ -261,26 +292,50 @@ template <int Dim> class PoreMatrix {
         });
     }
 
+    // d = what the preconditioner makes of r, and a part of d. Loops vectorise with pointers of their own.
+    void turn(int begin, double part) {
+        double* const d = direction_.data();
+        const double *const r = residual_.data(), *const over = overDiagonal_.data();
+        coarse_.forSegments(begin, [&](int first, int last, double pressure) {
+            turnRun(d, r, over, first, last, pressure, part);
+        });
+    }
+    static void turnRun(double* d, const double* r, const double* over, int first, int last, double pressure,
+                        double part) {
+#pragma GCC ivdep
+        for (int p = first; p < last; ++p) d[p] = over[p] * r[p] + pressure + part * d[p];
+    }
+    void step(int begin, double length, double loss) {
+        double sum = 0, off = 0;
+        forRuns(begin, [&](int first, int last) {
+            stepRun(solution_.data(), residual_.data(), direction_.data(), product_.data(),
+                    overDiagonal_.data(), limit_.data(), first, last, length, loss, sum, off);
+        });
+        sum_.of(begin) = sum;
+        count_.of(begin) = off;
+    }
+    static void stepRun(double* u, double* r, const double* d, const double* product, const double* over,
+                        const double* limit, int first, int last, double length, double loss, double& sum,
+                        double& off) {
+        double s = 0, o = 0;
+#pragma omp simd reduction(+ : s, o)
+        for (int p = first; p < last; ++p) {
+            u[p] += length * d[p];
+            r[p] -= loss * product[p];
+            s += r[p] * r[p] * over[p];
+            o += std::abs(r[p]) > limit[p] ? 1.0 : 0.0;
+        }
+        sum += s;
+        off += o;
+    }
+
     // u += length d and r -= loss A d, and what is left.
     void advance(ParallelRegion& region, double length, double loss) {
         region.once([&] {
             sum_.clear(unknowns_);
             count_.clear(unknowns_);
         });
-        region.chunks(unknowns_, [&](int begin, int) {
-            double sum = 0, off = 0;
-            forRuns(begin, [&](int first, int last) {
-#pragma omp simd reduction(+ : sum, off)
-                for (int p = first; p < last; ++p) {
-                    solution_[p] += length * direction_[p];
-                    residual_[p] -= loss * product_[p];
-                    sum += residual_[p] * residual_[p] * overDiagonal_[p];
-                    off += std::abs(residual_[p]) > limit_[p] ? 1.0 : 0.0;
-                }
-            });
-            sum_.of(begin) = sum;
-            count_.of(begin) = off;
-        });
+        region.chunks(unknowns_, [&](int begin, int) { step(begin, length, loss); });
         region.once([&] {
             now_ = sum_.total();
             off_ = count_.total();

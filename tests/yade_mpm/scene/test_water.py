@@ -52,6 +52,22 @@ def test_threads_and_a_checkpoint_change_no_bit(dim):
     assert water.permeability == 1e-3 and water.porosity == 0.4 and same(scene, loaded)
 
 
+def test_few_iterations_carry_a_pressure_across_the_ground():
+    """Of both solutions as a load begins; 66 found, and 152 without blocks of cells in the preconditioner."""
+    scene = mpm.Scene((0, 0), (6, 6.5), 0.125, gravity=9.81)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    water = mpm.PoreWater(table=6.0, permeability=1e-7)
+    scene.add("clay", box((0, 0), (6, 6)), mpm.MohrCoulomb(**CLAY), mpm.UGIMP(), water=water)
+    scene.groundStress(K0=0.6)
+    scene.drive(box((0, 6 - 1e-6), (1, 6.5)), velocity=(0, -0.1), ramp=0.01)
+    needed = []
+    for _ in range(10):
+        scene.run(steps=1, progress=False)
+        needed.append(water.iterations)
+    assert np.mean(needed) < 100
+
+
 def test_each_soil_has_its_permeability_and_the_table_divides_it():
     scene = pressed()
     sand, clay = scene.bodies

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A small system for groups of cells, as a part of the preconditioner of the pore pressure (step/PoreMatrix.hpp): one
+// pressure for each block of the grid, with the sums of the matrix over its cells. The diagonal alone carries a
+// pressure by a cell in an iteration, the blocks carry it all the way (Nicolaides 1987).
+#pragma once
+
+#include "mpm/base/parallel/ParallelRegion.hpp"
+#include "mpm/state/Grid.hpp"
+#include "mpm/step/BandMatrix.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace mpm {
+
+template <int Dim> class PoreCoarse {
+  public:
+    // places: of the unknowns in an array of `size`; first: number in the grid of place 0.
+    void start(const std::vector<int>& places, int size, int first, const Index<Dim>& strides) {
+        groups_.assign(size, 0);
+        std::vector<int> blocks(places.size());
+        int most = 0;
+        for (width_ = leastWidth;; width_ *= 2) {
+            for (size_t c = 0; c < places.size(); ++c) blocks[c] = blockOf(first + places[c], strides);
+            most = blocks.empty() ? 0 : *std::max_element(blocks.begin(), blocks.end()) + 1;
+            const double row =
+                most * double(width_) / (places.empty() ? 1 : places.back() / strides[Dim - 1] + 1);
+            if (most * row * row <= workOverCells * places.size() + 1e6) break;
+        }
+        numbers_.assign(most, 0);
+        for (int block : blocks) numbers_[block] = 1;
+        int count = 0;
+        for (int& number : numbers_) number = number ? count++ : -1;
+        segments_.clear();
+        firstSegment_.clear();
+        for (size_t c = 0; c < places.size(); ++c) {
+            const int p = places[c], group = numbers_[blocks[c]];
+            groups_[p] = group;
+            if (c % chunkSize == 0) firstSegment_.push_back(int(segments_.size()));
+            if (c % chunkSize == 0 || p != places[c - 1] + 1 || group != segments_.back().group)
+                segments_.push_back({p, p, group});
+            segments_.back().last = p + 1;
+        }
+        firstSegment_.push_back(int(segments_.size()));
+        entries_.clear();
+        count_ = count;
+    }
+    // What two places have of the matrix, once for both; at equal places: of the diagonal.
+    void add(int a, int b, double value) {
+        const int row = std::max(groups_[a], groups_[b]), column = std::min(groups_[a], groups_[b]);
+        if (row == column && a != b) value *= 2;
+        if (!entries_.empty() && entries_.back().row == row && entries_.back().column == column)
+            entries_.back().value += value;
+        else
+            entries_.push_back({row, column, value});
+    }
+    void factorise() {
+        int band = 0;
+        for (const Entry& entry : entries_) band = std::max(band, entry.row - entry.column);
+        matrix_.reset(count_, band);
+        for (const Entry& entry : entries_) matrix_.at(entry.row, entry.column) += entry.value;
+        isGood_ = matrix_.factorise();
+        pressure_.assign(matrix_.padded(), 0.0);
+    }
+    // What the blocks do against a residual; returns its product with that.
+    double solve(const std::vector<double>& residuals) {
+        const double* const residual = residuals.data();
+        std::fill(pressure_.begin(), pressure_.end(), 0.0);
+        if (!isGood_) return 0;
+        for (const auto& [first, last, group] : segments_) {
+            double sum = 0;
+#pragma omp simd reduction(+ : sum)
+            for (int p = first; p < last; ++p) sum += residual[p];
+            pressure_[group] += sum;
+        }
+        sums_.assign(pressure_.begin(), pressure_.end());
+        matrix_.solve(pressure_.data());
+        double product = 0;
+        for (int i = 0; i < count_; ++i) product += sums_[i] * pressure_[i];
+        return product;
+    }
+    // f(first place, end, pressure) for the unknowns of a chunk.
+    template <class F> void forSegments(int begin, F&& f) const {
+        const int chunk = begin / chunkSize;
+        for (int i = firstSegment_[chunk]; i < firstSegment_[chunk + 1]; ++i)
+            f(segments_[i].first, segments_[i].last, pressure_[segments_[i].group]);
+    }
+
+  private:
+    static constexpr int leastWidth = Dim == 2 ? 8 : 4; // of a block, in cells
+    // Products to factorise the blocks for each cell, at most: as many as twenty iterations take.
+    static constexpr double workOverCells = 1000;
+    struct Segment {
+        int first, last, group; // places side by side
+    };
+    struct Entry {
+        int row, column;
+        double value;
+    };
+
+    int count_ = 0, width_ = leastWidth;
+    bool isGood_ = false;
+    std::vector<int> groups_;  // of each place
+    std::vector<int> numbers_; // of the blocks of the grid, -1: no unknown
+    std::vector<Segment> segments_;
+    std::vector<int> firstSegment_; // of each chunk, and the end
+    std::vector<Entry> entries_;
+    BandMatrix matrix_;
+    std::vector<double> pressure_, sums_; // of the groups
+
+    // In the order of the grid.
+    int blockOf(int number, const Index<Dim>& strides) const {
+        int block = 0;
+        for (int k = Dim - 1; k >= 0; --k) {
+            const int index = number / strides[k];
+            number -= index * strides[k];
+            const int wide = k + 1 < Dim ? strides[k + 1] / strides[k] / width_ + 1 : 1;
+            block = block * wide + index / width_;
+        }
+        return block;
+    }
+};
+
+} // namespace mpm

@@ -19,7 +19,6 @@ QUADRILATERAL = 3  # of Gmsh's types of cells
 BOOLEANS = {"union": "fuse", "difference": "cut", "intersection": "intersect"}
 OPTIONS = {
     "General.Terminal": 0,
-    "Mesh.Algorithm": 8,  # frontal, for quadrilaterals
     "Mesh.RecombineAll": 1,
     "Mesh.SubdivisionAlgorithm": 1,  # what is left of triangles, too; halves the size
     "Mesh.Smoothing": 5,
@@ -52,12 +51,15 @@ def meshesFromRegions(
             "start below end, or none for a mesh in 2D"
         )
     gmsh = _gmsh()
-    isOurs = not gmsh.isInitialized()
+    isOurs = not _isInitialized(gmsh)
     if isOurs:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        gmsh.initialize([], False)  # without files of options
     gmsh.model.add("yade_mpm")
     try:
-        for option, value in {**OPTIONS, "Mesh.MeshSizeMax": 2 * size, "Mesh.MeshSizeMin": 2 * size}.items():
+        # Frontal, for quadrilaterals; Gmsh 4.8 of Debian 12 crashes with it, and takes that for triangles.
+        algorithm = 8 if hasattr(gmsh, "isInitialized") else 6
+        sizes = {"Mesh.MeshSizeMax": 2 * size, "Mesh.MeshSizeMin": 2 * size}
+        for option, value in {**OPTIONS, **sizes, "Mesh.Algorithm": algorithm}.items():
             gmsh.option.setNumber(option, value)
         meshes = _cellsOf(gmsh, regions)
     finally:
@@ -72,7 +74,7 @@ def _cellsOf(gmsh, regions):
     """Dict name -> (points (N, 2), quadrilaterals (M, 4)) of regions, which Gmsh fits together."""
     parts = [_surfacesOf(gmsh, name, region) for name, region in regions.items()]
     flat = [surface for surfaces in parts for surface in surfaces]
-    pieces = gmsh.model.occ.fragment(flat, [])[1] or [flat]  # one surface has no pieces
+    pieces = gmsh.model.occ.fragment(flat, [])[1] if len(flat) > 1 else [flat]
     gmsh.model.occ.synchronize()
     owned, meshes = {}, {}
     for name, surfaces in zip(regions, parts):
@@ -133,6 +135,15 @@ def _drawnAlong(points, cells, layers, axis):
     drawn = np.insert(drawn, axis, np.repeat(layers, len(points)), axis=1)
     first = len(points) * np.arange(len(layers) - 1)[:, None, None]
     return drawn, np.concatenate((first + cells, first + len(points) + cells), axis=2).reshape(-1, 8)
+
+
+def _isInitialized(gmsh):
+    if hasattr(gmsh, "isInitialized"):
+        return gmsh.isInitialized()
+    try:  # Gmsh 4.8 has no function for it, but a model while it runs
+        return bool(gmsh.model.list())
+    except Exception:
+        return False
 
 
 def _gmsh():

@@ -353,6 +353,7 @@ class MohrCoulomb(Material):
     residualFrictionAngle: float | None
     residualDilatancyAngle: float | None
     softeningStrain: float | None
+    softeningLength: float | None
     bandWidth: float | None
     tensileStrength: float | None
     closing: bool | None
@@ -373,6 +374,7 @@ class MohrCoulomb(Material):
         residualFrictionAngle: float | None = None,
         residualDilatancyAngle: float | None = None,
         softeningStrain: float | None = None,
+        softeningLength: float | None = None,
         bandWidth: float | None = None,
         tensileStrength: float | None = None,
         closing: bool | None = None,
@@ -396,6 +398,7 @@ class MohrCoulombDruckerPrager(Material):
     residualFrictionAngle: float | None
     residualDilatancyAngle: float | None
     softeningStrain: float | None
+    softeningLength: float | None
     bandWidth: float | None
     coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension']
     tensionCutOff: float | None
@@ -420,6 +423,7 @@ class MohrCoulombDruckerPrager(Material):
         residualFrictionAngle: float | None = None,
         residualDilatancyAngle: float | None = None,
         softeningStrain: float | None = None,
+        softeningLength: float | None = None,
         bandWidth: float | None = None,
         tensionCutOff: float | None = None,
         dilatancyLimit: float | None = None,
@@ -785,6 +789,7 @@ class Tresca(Material):
     undrainedStrength: float | None
     remouldedRatio: float | None
     softeningStrain: float | None
+    softeningLength: float | None
     bandWidth: float | None
     rateFactor: float
     referenceRate: float | None
@@ -802,6 +807,7 @@ class Tresca(Material):
         undrainedStrength: float | None = None,
         remouldedRatio: float | None = None,
         softeningStrain: float | None = None,
+        softeningLength: float | None = None,
         bandWidth: float | None = None,
         rateFactor: float = 0.0,
         referenceRate: float | None = None,

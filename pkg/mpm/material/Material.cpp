@@ -7,7 +7,8 @@ namespace mpm {
 bool Material::mayVary(const Parameter& parameter) const {
     if (parameter.mayVary) return true;
     const bool isNumber = std::holds_alternative<double*>(parameter.target);
-    return isNumber && parameter.name != "density" && isCopied() && !takesWholeBody() && !section();
+    const bool isOfBody = parameter.name == "density" || parameter.name == "softeningLength";
+    return isNumber && !isOfBody && isCopied() && !takesWholeBody() && !section();
 }
 
 void Material::vary(const std::string& name, bool does) {

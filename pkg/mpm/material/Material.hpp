@@ -112,6 +112,14 @@ struct VolumeRecord {
     int plasticStrain = -1, opening = -1;
 };
 
+// Of a law that softens by its neighbours: state variable `mean` takes, in place of what `strain` gains in a step,
+// a mean of it over neighbours (step/NeighbourMeans.hpp) that are about `length` (m) away; 0: it does not. A particle
+// without neighbours has mean = strain.
+struct NeighbourMean {
+    int strain = -1, mean = -1;
+    double length = 0;
+};
+
 class MPM_PUBLIC Material : public Configurable {
   public:
     double density = notGiven; // Mg/m3, of the initial configuration
@@ -148,6 +156,7 @@ class MPM_PUBLIC Material : public Configurable {
     // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
     virtual bool yields() const { return false; }
     virtual VolumeRecord volumeRecord() const { return {}; }
+    virtual NeighbourMean neighbourMean() const { return {}; }
     // Of a beam, whose mesh makes the forces; nullptr: the stress does.
     virtual const SectionStiffness* section() const { return nullptr; }
     // Whether update() gets all particles of a body at once, from one thread.
@@ -185,12 +194,12 @@ class MPM_PUBLIC Material : public Configurable {
 template <class Derived> class MaterialOf : public Material {
   public:
     void update(const MaterialPoints<2>& points) const override {
-        forEachLaw(points, [](const Derived& law, const auto& its, int) { law.template stress<2>(its); });
+        forEachLaw(points, [](const Derived& law, const auto& its, int) { gainMean<2>(law, its); });
     }
     void update(const MaterialPoints<3>& points) const override {
         forEachLaw(points, [](const Derived& law, const auto& its, int) {
-            if (Derived::takesHoopRate && its.isRing) return law.template stress<2>(its.inPlane());
-            law.template stress<3>(its);
+            if (Derived::takesHoopRate && its.isRing) return gainMean<2>(law, its.inPlane());
+            gainMean<3>(law, its);
         });
     }
     void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
@@ -250,6 +259,15 @@ template <class Derived> class MaterialOf : public Material {
     const Derived& law() const { return static_cast<const Derived&>(*this); }
     bool isCopied() const override { return copies; }
 
+    // The stress, and what NeighbourMean::mean gains of a particle by itself.
+    template <int N> static void gainMean(const Derived& law, const MaterialPoints<N>& points) {
+        const NeighbourMean of = law.neighbourMean();
+        if (of.length == 0) return law.template stress<N>(points);
+        double *strain = points.state[of.strain], *mean = points.state[of.mean];
+        const std::vector<double> before(strain, strain + points.count);
+        law.template stress<N>(points);
+        for (int i = 0; i < points.count; ++i) mean[i] += strain[i] - before[i];
+    }
     // f(law) with the values valueOf(k) of parameters that vary outside of the law.
     template <class ValueOf, class F> void withParameters(ValueOf&& valueOf, F&& f) const {
         if constexpr (copies)

@@ -63,7 +63,7 @@ class MohrCoulomb : public MaterialOf<MohrCoulomb> {
     f = s1 - s3 + (s1 + s3) sin(phi) - 2 c cos(phi)
     g = s1 - s3 + (s1 + s3) sin(psi)
     s1 >= s2 >= s3 principal Cauchy stresses, tension positive
-    x = x_r + (x_0 - x_r) exp(-3 xi/xi_95),  x = c, phi, psi,  xi the plastic shear strain
+    x = x_r + (x_0 - x_r) exp(-3 xi/xi_95),  x = c, phi, psi,  xi the plastic shear strain, or its mean (softeningLength)
 
 Flow is associated where psi = phi; the law is Tresca's where phi = 0. Trial stress and finite rotation are those
 of MohrCoulombDruckerPrager, and so is the opening of soil in bodies with F-bar (`closing`). The return goes to a
@@ -105,13 +105,17 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
     static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
+    NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override {
         const double factor = pressure_.factor(0);
         return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
     }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
-    void stateFromStress(const double*, double* state) const override { std::fill_n(state, ofStrength, 0.0); }
+    void stateFromStress(const double*, double* state) const override {
+        std::fill_n(state, ofStrength, 0.0);
+        if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
+    }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         pressure_.forEach(int(stateVariables().size()), points,

@@ -218,6 +218,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
     static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
+    NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength()); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override {
         const double factor = pressure_.factor(0);
@@ -227,6 +228,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         std::fill_n(state, ofStrength(), 0.0);
+        if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {

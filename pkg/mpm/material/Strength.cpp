@@ -9,18 +9,27 @@ std::vector<Parameter> Softening::parameters() {
          "plastic shear strain at which 95 % of the way to the residual strength is gone; not given: the soil does "
          "not soften",
          &strain, Range::positive()},
+        {"softeningLength", "m",
+         "length over which the plastic shear strain that softens is a mean of the neighbours', at least 1.5 "
+         "cells; not given: it is that of the particle",
+         &length, Range::positive()},
         {"bandWidth", "m",
-         "width of the shear band that softeningStrain is of: the law multiplies it by bandWidth over the cell, "
-         "the width of a band that slips alone (not so under footings and in slopes); not given: by 1",
+         "deprecated, give softeningLength: the law multiplies softeningStrain by bandWidth over the cell",
          &bandWidth, Range::positive()}};
 }
 
 void Softening::check(const std::string& who) const {
-    require(isGiven() || std::isnan(bandWidth), who, ": bandWidth = ", bandWidth,
+    const bool byLength = !std::isnan(length), byWidth = !std::isnan(bandWidth);
+    require(isGiven() || !(byLength || byWidth), who,
+            byLength ? ": softeningLength = " : ": bandWidth = ", byLength ? length : bandWidth,
             " m is given without softeningStrain; give both");
+    require(!byLength || !byWidth, who, ": softeningLength = ", length, " m and bandWidth = ", bandWidth,
+            " m are given together; give softeningLength alone");
 }
 
 std::vector<StateVariable> Softening::stateVariables() const {
+    if (!std::isnan(length))
+        return {{"softeningShearStrain", "-", "plastic shear strain that softens, a mean over neighbours"}};
     if (std::isnan(bandWidth)) return {};
     return {{"cellSize", "m", "size of the cell in which the particle was made", bandWidth, true}};
 }
@@ -112,9 +121,9 @@ void Strength::find(int count, double* const* state, const double* plasticShear,
         varies_[k] ? std::copy_n(state[next++], count, found[k]->begin())
                    : std::fill_n(found[k]->begin(), count, peak[k]);
     if (!softening.isGiven()) return;
-    const double* cellSize = std::isnan(softening.bandWidth) ? nullptr : state[next];
+    const double* own = softening.hasState() ? state[next] : nullptr;
     for (int i = 0; i < count; ++i) {
-        const double left = softening.left(plasticShear[i], cellSize ? cellSize[i] : 0);
+        const double left = softening.left(plasticShear[i], own ? own[i] : 0);
         for (int k = 0; k < 3; ++k)
             if (double& x = (*found[k])[i]; residual[k] < x) x = residual[k] + (x - residual[k]) * left;
     }

@@ -16,20 +16,28 @@ struct StrengthRun {
 
 // x = x_r + (x_0 - x_r) exp(-3 xi/xi_95): 95 % of the way to the residual value at xi = xi_95 (Einav & Randolph 2005,
 // Int. J. Numer. Methods Eng. 63, 1991-2016). A band of shear is about one cell wide, whatever the soil's own width is:
-// with that width given, xi_95 is multiplied by its ratio to the cell, so that what a band dissipates stays.
+// with `length`, xi is a mean over neighbours, and the band has that width. With `bandWidth`, xi_95 is multiplied by its
+// ratio to the cell, so that what a band of one cell dissipates stays.
 class MPM_PUBLIC Softening {
   public:
     double strain = notGiven;    // xi_95, -
+    double length = notGiven;    // m
     double bandWidth = notGiven; // m
 
     bool isGiven() const { return !std::isnan(strain); }
     std::vector<Parameter> parameters();
     void check(const std::string& who) const;
-    std::vector<StateVariable> stateVariables() const;
-    // What is left of the way to the residual value, 1 at first. cellSize: m.
-    double left(double plasticStrain, double cellSize) const {
-        const double stretch = std::isnan(bandWidth) ? 1 : bandWidth / cellSize;
-        return std::exp(-3 * plasticStrain / (strain * stretch));
+    std::vector<StateVariable> stateVariables() const; // one or none
+    bool hasState() const { return !std::isnan(length) || !std::isnan(bandWidth); }
+    // first: state variable of the softening.
+    NeighbourMean neighbourMean(int plasticStrain, int first) const {
+        return std::isnan(length) ? NeighbourMean{} : NeighbourMean{plasticStrain, first, length};
+    }
+    // What is left of the way to the residual value, 1 at first. own: state of the particle, where there is one.
+    double left(double plasticStrain, double own) const {
+        const double xi = std::isnan(length) ? plasticStrain : std::max(0.0, own);
+        const double stretch = std::isnan(bandWidth) ? 1 : bandWidth / own;
+        return std::exp(-3 * xi / (strain * stretch));
     }
 };
 
@@ -42,6 +50,12 @@ class MPM_PUBLIC Strength {
     std::vector<Parameter> parameters();
     void finish(const Material& material);
     std::vector<StateVariable> stateVariables() const;
+    // first: state variable of the strength.
+    NeighbourMean neighbourMean(int plasticStrain, int first) const {
+        int own = first;
+        for (bool varies : varies_) own += varies;
+        return softening.neighbourMean(plasticStrain, own);
+    }
     // Whether all particles have one strength at any time.
     bool isUniform() const { return !softening.isGiven() && !anyVaries_; }
     // state: of the strength, as in stateVariables(); plasticShear: of the particles.

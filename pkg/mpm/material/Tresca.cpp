@@ -36,10 +36,10 @@ class Tresca : public MaterialOf<Tresca> {
     su = su_0 (d + (1 - d) exp(-3 xi/xi_95)) (1 + m log10(max(rate, rate_ref)/rate_ref))
 
 su_0 is the undrainedStrength of a particle as it was placed: a number, a function of position, a profile or an
-array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3; m the
-rateFactor for each factor of ten of the rate of shear d1 - d3. Stress is total; the volume changes elastically
-(give poisson = 0.49). With rigidity in place of young, mu = rigidity su_0 of each particle. The return to the hexagon
-is exact, edges included. With pressureExponent the elastic moduli follow the total mean pressure.
+array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3 (with
+softeningLength a mean over neighbours); m the rateFactor for each factor of ten of the rate of shear d1 - d3.
+Stress is total; the volume changes elastically (give poisson = 0.49). With rigidity in place of young,
+mu = rigidity su_0 of each particle. The return to the hexagon is exact, edges included. With pressureExponent the elastic moduli follow the total mean pressure.
 
 Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
 173-182.)";
@@ -95,6 +95,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         for (auto& variable : softening_.stateVariables()) all.push_back(variable);
         return all;
     }
+    NeighbourMean neighbourMean() const override { return softening_.neighbourMean(0, 2); }
     static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     // Of varying strength without a particle: no stiffness.
@@ -102,7 +103,10 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         return lameAt(std::isnan(strength_) ? 0 : strength_, pressure_.factor(0));
     }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
-    void stateFromStress(const double*, double* state) const override { state[0] = 0; }
+    void stateFromStress(const double*, double* state) const override {
+        state[0] = 0;
+        if (neighbourMean().length > 0) state[2] = 0;
+    }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         std::vector<double> lambda(points.count), mu(points.count);
@@ -164,8 +168,8 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     template <int Dim> double strengthOf(const MaterialPoints<Dim>& points, int i, double rate) const {
         double su = points.state[1][i];
         if (softening_.isGiven()) {
-            const double cellSize = std::isnan(softening_.bandWidth) ? 0 : points.state[2][i];
-            su *= remouldedRatio_ + (1 - remouldedRatio_) * softening_.left(points.state[0][i], cellSize);
+            const double own = softening_.hasState() ? points.state[2][i] : 0;
+            su *= remouldedRatio_ + (1 - remouldedRatio_) * softening_.left(points.state[0][i], own);
         }
         if (rate > referenceRate_) su *= 1 + rateFactor_ * std::log10(rate / referenceRate_);
         return su;

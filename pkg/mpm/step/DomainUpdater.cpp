@@ -5,10 +5,12 @@
 #include "mpm/step/BoxParts.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
+#include "mpm/step/NeighbourMeans.hpp"
 #include "mpm/step/StressUpdate.hpp"
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace mpm {
 
@@ -40,6 +42,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         for (const auto& body : scene.bodies)
             lacksCells_.push_back(body->fbar && !body->cellAverage.isLocated(body->particles.size()));
         if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->finishMotion(scene);
+        auto& means = std::get<NeighbourMeans<Dim>>(means_);
+        means.start(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh())
@@ -51,6 +55,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             region.wait();
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
+            means.take(region, scene);
             if (!scene.scheme->stressFirst) return;
             region.wait();
             for (auto& body : scene.bodies)
@@ -76,7 +81,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<Partitions> partitions_;
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
-    std::vector<char> opens_;       // whether a chunk of the body at hand has a particle that stands open
+    std::tuple<NeighbourMeans<2>, NeighbourMeans<3>> means_;
+    std::vector<char> opens_; // whether a chunk of the body at hand has a particle that stands open
 
     // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
     template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
@@ -109,6 +115,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int N, int Dim>
     void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, int number) {
         OrderedSum& work = work_[number];
+        auto& means = std::get<NeighbourMeans<Dim>>(means_);
         const auto* nodes = strainingVelocity(scene, body);
         const int n = body.particles.size();
         std::vector<double*> state(body.particles.state.size());
@@ -117,6 +124,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         };
         const bool atOnce = body.material->takesWholeBody();
         const auto stresses = [&](int begin, int end) {
+            means.keep(number, body, begin, end);
             work.of(begin) =
                 updateStress<N>(body, scene.dt, begin, end, state.data(),
                                 body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));

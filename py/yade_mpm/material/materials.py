@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasses
+from ..base.deprecation import warnDeprecated
 from ..base.kinds import DICT, NUMBER, takes
 from ..base.wording import shown
 from ..geometry.numbers import numbers
@@ -18,7 +19,7 @@ from .spatial import PER_PARTICLE, isSpatial, valuesAt
 class Material(Attributed):
     """Base of all materials.
 
-    Numbers may vary in space, but for the density: a function of positions (N, dim) at which
+    Numbers may vary in space, but for density and softeningLength: a function of positions (N, dim) at which
     particles are made, a profile [(elevation, value), ...], an array in the order of body.id, or
     "per particle", and you set the field of that name of the body yourself.
     """
@@ -35,6 +36,8 @@ class Material(Attributed):
         return self.__dict__.setdefault("_given", {})
 
     def _assign(self, name, value):
+        if name == "bandWidth" and value is not None:
+            warnDeprecated(f"{type(self).__name__}.bandWidth", "give softeningLength, the length of a mean")
         if name == "lame" and self._hasNoLame() and value is not None:
             raise ValueError(
                 f"{type(self).__name__}: lame is given, and young or poisson varies; give one of them"

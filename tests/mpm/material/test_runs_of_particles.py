@@ -48,6 +48,7 @@ MATERIALS = {
     "stiffening cone": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, pressureExponent=0.5),
     "softening soil": lambda: mpm.MohrCoulombDruckerPrager(**SOIL, residualCohesion=2, softeningStrain=0.01),
     "clay": lambda: mpm.Tresca(**CLAY, **SOFTENS, lame=(9e3, 6e3)),
+    "clay by its neighbours": lambda: mpm.Tresca(**CLAY, **SOFTENS, lame=(9e3, 6e3), softeningLength=2.0),
     "rigid clay": lambda: mpm.Tresca(**CLAY, poisson=0.45, rigidity=500),
     "stiffening clay": lambda: mpm.Tresca(**CLAY, lame=(9e3, 6e3), pressureExponent=0.5),
     "Cam-Clay": lambda: mpm.ModifiedCamClay(**OLD_CLAY),

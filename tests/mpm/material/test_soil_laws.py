@@ -228,7 +228,7 @@ SAND = {"cohesion": 5, "frictionAngle": 0.5}
         ("Tresca", {"undrainedStrength": 5, "softeningStrain": 1}, "without remouldedRatio"),
         ("Tresca", {"undrainedStrength": 5, "rateFactor": 0.1}, "belong together"),
         ("Tresca", {"undrainedStrength": 5, "rigidity": 100}, "rigidity = 100 is given with lame"),
-        ("Tresca", {"undrainedStrength": 5, "bandWidth": 0.1}, "without softeningStrain"),
+        ("Tresca", {"undrainedStrength": 5, "softeningLength": 0.1}, "without softeningStrain"),
         ("MohrCoulomb", {**SAND, "residualCohesion": 2}, "without softeningStrain"),
         ("MohrCoulomb", {**SAND, "residualCohesion": 9, "softeningStrain": 0.1}, "exceeds cohesion"),
         ("MohrCoulombDruckerPrager", {**SAND, "softeningStrain": 0.1}, "without a residual strength"),
@@ -237,6 +237,14 @@ SAND = {"cohesion": 5, "frictionAngle": 0.5}
 def testWhatDoesNotFitIsRefused(law, given, error):
     with pytest.raises(ValueError, match=error):
         getattr(mpm, law)(**ELASTIC, **given)
+
+
+def testTheWidthOfABandIsDeprecated():
+    softens = dict(undrainedStrength=5, softeningStrain=1, remouldedRatio=0.3)
+    with pytest.warns(DeprecationWarning, match="Tresca.bandWidth is deprecated.*give softeningLength"):
+        clay = mpm.Tresca(**ELASTIC, **softens, bandWidth=0.1)
+    with pytest.raises(ValueError, match="softeningLength = 0.2 m and bandWidth = 0.1 m are given together"):
+        clay.softeningLength = 0.2
 
 
 def testRigidityNeedsPoisson():

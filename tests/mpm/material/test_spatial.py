@@ -167,7 +167,7 @@ def testTheStepFollowsTheStrongestClay(dim):
 # --- any number of any law
 SOIL = dict(**ELASTIC, cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1)
 SANDS = dict(density=1.5, frictionAngle=0.5, criticalVoidRatio=0.9, compression=0.02, stateParameter=-0.05)
-SOFTENING = dict(softeningStrain=0.05, bandWidth=0.4, residualCohesion=1.0, residualFrictionAngle=0.4)
+SOFTENING = dict(softeningStrain=0.05, softeningLength=0.4, residualCohesion=1.0, residualFrictionAngle=0.4)
 LAWS = {
     "LinearElastic": ELASTIC,
     "NeoHookean": ELASTIC,
@@ -192,6 +192,9 @@ LAWS = {
 }
 
 
+OF_BODIES = "density", "softeningLength"
+
+
 def sheared(material, state=None, elastic=False):
     """Stress, moduli, energy and state of a point after a path with a turn."""
     point = mpm.MaterialPoint(material, -(0.0 if elastic else 50.0) * np.eye(3), state)
@@ -202,7 +205,7 @@ def sheared(material, state=None, elastic=False):
 
 
 @pytest.mark.parametrize(
-    "law, name", [(law, name) for law, given in LAWS.items() for name in given if name != "density"]
+    "law, name", [(law, name) for law, given in LAWS.items() for name in given if name not in OF_BODIES]
 )
 def testAnyNumberOfAnyLawMayVary(law, name):
     """Bit by bit what the law with that number gives, and not what another number does."""
@@ -210,18 +213,19 @@ def testAnyNumberOfAnyLawMayVary(law, name):
     kind = getattr(mpm, law)
     stress, stiffness, energy, state = sheared(kind(**given), elastic=isElastic)
     own = kind(**{**given, name: "per particle"})
-    cellSize = {"cellSize": given[name]} if name == "bandWidth" else {}
-    found = sheared(own, {name: given[name], **cellSize}, isElastic)
+    found = sheared(own, {name: given[name]}, isElastic)
     np.testing.assert_array_equal(found[0], stress)
     assert found[1:3] == (stiffness, energy)
     assert found[3].items() <= state.items()
 
 
-@pytest.mark.parametrize("law", LAWS)
-def testTheDensityDoesNotVary(law):
+@pytest.mark.parametrize(
+    "law, name", [(law, n) for law, given in LAWS.items() for n in OF_BODIES if n in given]
+)
+def testWhatIsOfABodyDoesNotVary(law, name):
     kind, given = getattr(mpm, law), LAWS[law]
-    with pytest.raises(ValueError, match="density = .* is not allowed"):
-        kind(**{**given, "density": lambda x: np.full(len(x), 1.5)})
+    with pytest.raises(ValueError, match=f"{name} = .* is not allowed"):
+        kind(**{**given, name: lambda x: np.full(len(x), 1.5)})
 
 
 def byDepth(top, bottom):

@@ -91,8 +91,9 @@ bool ContactSearch<Dim>::findFields(ContactPair<Dim>& pair, int a, int b, const 
         const int field = pair_.field[side] = side == 0 ? a : b;
         pair_.isExplicit[side] = isExplicit_[field];
         pair_.hasOutline[side] = hasOutline_[field];
-        pair_.lastMotion[side] =
-            rule.edgeMotions->template of<Dim>(pairOf(pair.group[0], pair.group[1]), side);
+        const size_t number = pairOf(pair.group[0], pair.group[1]);
+        pair_.lastMotion[side] = rule.edgeMotions->template of<Dim>(number, side);
+        pair_.lastDirection[side] = rule.edgeMotions->template directionOf<Dim>(number, side);
         pair_.motion[side].setZero();
         pair_.edges[side] = 0;
     }

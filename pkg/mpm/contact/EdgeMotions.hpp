@@ -24,6 +24,11 @@ class EdgeMotions {
         const double* const own = &numbers[pair * perPair + side * perPair / 2];
         return own[3] * Eigen::Map<const Vec<Dim>>(own);
     }
+    // Their direction: shorter than 1 while they have not gone far, zero at first.
+    template <int Dim> Vec<Dim> directionOf(size_t pair, int side) const {
+        if ((pair + 1) * perPair > numbers.size()) return Vec<Dim>::Zero();
+        return Eigen::Map<const Vec<Dim>>(&numbers[pair * perPair + side * perPair / 2]);
+    }
     // They move with a velocity for a step; cell: its size, m.
     template <int Dim> void add(size_t pair, int side, const Vec<Dim>& velocity, double dt, double cell) {
         const double speed = velocity.norm(), part = std::min(1.0, speed * dt / (way * cell));

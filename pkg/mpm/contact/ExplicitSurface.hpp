@@ -30,6 +30,12 @@ template <int Dim> class ExplicitSurface {
         // edge.
         bool isFlatter(double flatness) const { return size > flatness * extent; }
         Vec<Dim> normal() const { return outward / size; }
+        void add(const Vec<Dim>& part, double area) { // a part of a facet of a mesh
+            outward += part;
+            extent += area;
+            for (int k = 0; k < Dim; ++k)
+                if (std::abs(part[k]) > standsAcross * area) across[k] += area;
+        }
     };
     std::vector<Vertex> near; // of the vertices of a mesh or the facets of an outline
 
@@ -62,6 +68,30 @@ template <int Dim> class ExplicitSurface {
         for (int i = firstAt_[vertex]; i < firstAt_[vertex + 1]; ++i) f(facetsAt_[i]);
     }
 
+    // The parts of a vertex at an edge of a mesh: one for each face, of facets that look nearly the same way.
+    std::vector<Vertex> facesAt(const Body<Dim>& body, const Vertex& vertex) const {
+        std::vector<Vertex> faces;
+        forFacetsAt(vertex.number, [&](int facet) {
+            const Vec<Dim> part =
+                areaOf(body.domains->mesh()->vertexPositions(), facets_.facets[facet]) / facets_.size;
+            const double area = part.norm();
+            if (isHidden(part)) return;
+            const auto isAlike = [&](const Vertex& face) {
+                return face.outward.dot(part) > ofOneFace * face.outward.norm() * area;
+            };
+            auto face = std::find_if(faces.begin(), faces.end(), isAlike);
+            if (face == faces.end()) {
+                Vertex anew = vertex;
+                anew.outward = anew.across = Vec<Dim>::Zero();
+                anew.extent = 0;
+                face = faces.insert(faces.end(), anew);
+            }
+            face->add(part, area);
+            face->size = face->outward.norm();
+        });
+        return faces;
+    }
+
   private:
     std::vector<Vertex> corners_; // of facets of an outline
     // Of a mesh:
@@ -79,6 +109,8 @@ template <int Dim> class ExplicitSurface {
 
     // Of an area vector, the part along an axis from which on the facet stands across it.
     static constexpr double standsAcross = 1 - 1e-9;
+    // Cosine between a facet and a face above which it belongs to that.
+    static constexpr double ofOneFace = 0.9;
 
     static Vec<Dim> areaOf(const Field& X, const typename BoundaryFacets<Dim>::Facet& facet) {
         return areaVector<Dim>([&](int a) { return vectorAt<Dim>(X, facet[a]); });
@@ -121,10 +153,7 @@ template <int Dim> class ExplicitSurface {
                     vertex.hiddenExtent += area;
                     continue;
                 }
-                vertex.outward += part;
-                vertex.extent += area;
-                for (int k = 0; k < Dim; ++k)
-                    if (std::abs(part[k]) > standsAcross * area) vertex.across[k] += area;
+                vertex.add(part, area);
             }
             vertex.size = vertex.outward.norm();
             vertex.number = v;

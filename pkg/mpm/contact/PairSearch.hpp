@@ -36,7 +36,7 @@ template <int Dim> struct PairSearch {
     bool isExplicit[2];                             // whether their surface is explicit altogether
     bool hasOutline[2];                             // whether they have boxes that carry an outline
     bool ownsFacets;                                // see OwnedFacets
-    Vec<Dim> lastMotion[2];                         // of the edges of each group, see EdgeMotions,
+    Vec<Dim> lastMotion[2], lastDirection[2];       // of the edges of each group, see EdgeMotions,
     Vec<Dim> motion[2];                             // and how they move now, in the mean,
     int edges[2];                                   // of so many nodes
     bool isSolved;                                  // whether the nodes have the velocities of the solution,

@@ -29,6 +29,10 @@ constexpr double leastCovered = 0.75;
 // Part of the facets of a vertex below which none is left off planes of symmetry: the rest is round-off.
 constexpr double leastLeft = 1e-6;
 
+// Size of the direction of edges, see EdgeMotions, from which on they have gone their way: a twentieth of a
+// cell.
+constexpr double onItsWay = 0.2;
+
 // Distance in cells from a plane of symmetry up to which a vertex lies on it.
 constexpr double onPlane = 1e-6;
 
@@ -54,23 +58,47 @@ typename PairSearch<Dim>::Vertex withoutPlanes(const PairSearch<Dim>& pair,
     return vertex;
 }
 
-// Vertices at the surface of a mesh that are near and at no edge, by their nearest node.
+// The faces that meet at an edge of a mesh, each of which presses on its own. None where the edge has gone
+// its way: the soil that flows round it has several velocities there, and one cannot follow all faces.
+template <int Dim>
+std::vector<typename PairSearch<Dim>::Vertex>
+facesOf(const PairSearch<Dim>& pair, int side, const Body<Dim>& body, const ExplicitSurface<Dim>& surface,
+        const typename PairSearch<Dim>::Vertex& vertex) {
+    if (pair.lastDirection[side].norm() > onItsWay) return {};
+    auto faces = surface.facesAt(body, vertex);
+    for (auto& face : faces) face = withoutPlanes(pair, face);
+    const auto isNone = [](const auto& face) { return face.size <= leastLeft * face.extent; };
+    faces.erase(std::remove_if(faces.begin(), faces.end(), isNone), faces.end());
+    return faces;
+}
+
+// Vertices at the surface of a mesh that are near, by their nearest node; at an edge against boxes one for
+// each face.
 template <int Dim> struct SmoothVertices {
     using Vertex = typename PairSearch<Dim>::Vertex;
     std::vector<Vertex> all;
-    std::vector<int> bin, body; // body: its number in the scene
+    std::vector<int> bin, body, faces; // number of the body in the scene; faces at an edge, 1: it is none
     Bins bins;
 
     SmoothVertices(PairSearch<Dim>& pair, int side) {
         if (!pair.isExplicit[side]) return;
-        pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+        pair.forSurfaces(side, [&](const Body<Dim>& of, const ExplicitSurface<Dim>& surface) {
             const int number = int(&surface - pair.surfaces.data());
-            for (const Vertex& near : surface.near) {
-                const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
-                if (vertex.size <= leastLeft * near.extent || !vertex.isFlatter(edgeFlatness)) continue;
+            const auto add = [&](const Vertex& vertex, int count) {
                 all.push_back(vertex);
                 body.push_back(number);
+                faces.push_back(count);
                 bin.push_back(pair.nearby.number(vertex.node));
+            };
+            for (const Vertex& near : surface.near) {
+                const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
+                if (vertex.size <= leastLeft * near.extent) continue;
+                if (vertex.isFlatter(edgeFlatness)) {
+                    add(vertex, 1);
+                } else if (pair.ownsFacets && near.number >= 0 && !pair.isExplicit[1 - side]) {
+                    const auto parts = facesOf(pair, side, of, surface, near);
+                    for (const Vertex& face : parts) add(face, int(parts.size()));
+                }
             }
         });
         bins.fill(pair.nearby.size(), bin);
@@ -78,6 +106,7 @@ template <int Dim> struct SmoothVertices {
     bool isEmpty() const { return all.empty(); }
     const Vertex& at(int place) const { return all[bins.point(place)]; }
     int bodyAt(int place) const { return body[bins.point(place)]; }
+    int facesAt(int place) const { return faces[bins.point(place)]; }
 };
 
 // Boxes as a node sees them, less those faces of them that lie on a plane of symmetry.
@@ -100,9 +129,12 @@ SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& cont
 // plane. farAway: it is not. Where points own facets boxes whose faces lie oblique to the vertex are a plane,
 // too.
 template <int Dim>
-double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side) {
+double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side,
+                       int faces) {
     const Vec<Dim> n = own.normal();
-    double facing = 0, all = 0, distance = 0, part = 1; // part: of a surface that is on this side of planes
+    double facing = 0, all = 0, distance = 0;
+    Vec<Dim> seen = Vec<Dim>::Zero();
+    double part = std::pow(0.5, faces - 1); // of a surface that is on this side of planes and edges
     for (int k = 0; k < Dim && pair.ownsFacets; ++k)
         if (isOnPlane(pair, own, k)) part *= 0.5;
     for (int corner = 0; corner < own.around.size; ++corner) {
@@ -112,12 +144,15 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
         const double S = own.around.S[corner];
         const double area = -S * outward.dot(n);
         facing += area;
+        seen += S * outward;
         all += S * (pair.ownsFacets ? outward.norm() : outward.template lpNorm<1>());
         distance += area * (contact.position - own.position).dot(n) - S * n.dot(moment * n);
     }
     const double face = std::pow(pair.grid().sizeAt(own.position).minCoeff(), Dim - 1);
-    const bool isPlane = facing > leastFacingArea * part * face && facing > edgeFlatness * all;
-    return isPlane ? distance / facing : farAway;
+    // At an edge of the mesh boxes have one, too, or they are a plane: then the nodes see its normal.
+    const bool isLike =
+        faces == 1 ? facing > edgeFlatness * all : seen.norm() < edgeFlatness * seen.template lpNorm<1>();
+    return isLike && facing > leastFacingArea * part * face ? distance / facing : farAway;
 }
 
 // Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal
@@ -230,6 +265,7 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
         for (int v = 0; v < vertices[side].bins.count(); ++v) {
             if (pair.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
             auto own = vertices[side].at(v);
+            const int faces = vertices[side].facesAt(v);
             if (pair.ownsFacets) own.around = withFeeling<Dim>(own.around);
             if (!isBetweenContactNodes<Dim>(own.around)) continue;
             const double h = pair.grid().sizeAt(own.position).minCoeff();
@@ -238,7 +274,7 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
             point.tolerated = toleratedOverlap * h;
             point.gap = pair.isExplicit[1 - side]
                             ? distanceOfMesh(pair, own, vertices[1 - side], point.normal)
-                            : distanceOfBoxes(pair, own, side);
+                            : distanceOfBoxes(pair, own, side, faces);
             if (side == 1) point.normal = -point.normal;
             point.side = side;
             point.body = vertices[side].bodyAt(v);

@@ -119,9 +119,10 @@ def settledUnderGravity(case, **contact):
     "case", ["beside a wall", "along the bottom", "in the middle", "between nodes", "inclined and cut"]
 )
 def test_a_hydrostatic_pressure_moves_hardly_anything(case):
-    """Cells see it as steps, and soil and structure move by 0.04 mm; 0.65 mm without shared cells."""
+    """Cells see it as steps, and soil and structure move by 0.04 mm; without shared cells up to
+    0.9 mm."""
     assert settledUnderGravity(case) < 6e-5
 
 
 def test_without_shared_cells_it_moves_soil_and_structure():
-    assert settledUnderGravity("in the middle", sharedCells=False) > 3e-4
+    assert settledUnderGravity("between nodes", sharedCells=False) > 3e-4

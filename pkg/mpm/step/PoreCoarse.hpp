@@ -19,13 +19,27 @@ template <int Dim> class PoreCoarse {
     void start(const std::vector<int>& places, int size, int first, const Index<Dim>& strides) {
         groups_.assign(size, 0);
         std::vector<int> blocks(places.size());
-        int most = 0;
+        Index<Dim> lowest = indicesOf(places.empty() ? 0 : first + places[0], strides), highest = lowest;
+        for (int p : places) {
+            const Index<Dim> cell = indicesOf(first + p, strides);
+            for (int k = 0; k < Dim; ++k) {
+                lowest[k] = std::min(lowest[k], cell[k]);
+                highest[k] = std::max(highest[k], cell[k]);
+            }
+        }
+        int most = 1;
+        Index<Dim> wide; // blocks along each axis
         for (width_ = leastWidth;; width_ *= 2) {
-            for (size_t c = 0; c < places.size(); ++c) blocks[c] = blockOf(first + places[c], strides);
-            most = blocks.empty() ? 0 : *std::max_element(blocks.begin(), blocks.end()) + 1;
-            const double row =
-                most * double(width_) / (places.empty() ? 1 : places.back() / strides[Dim - 1] + 1);
-            if (most * row * row <= workOverCells * places.size() + 1e6) break;
+            most = 1;
+            for (int k = 0; k < Dim; ++k) most *= wide[k] = highest[k] / width_ - lowest[k] / width_ + 1;
+            const double band = most / wide[Dim - 1];
+            if (most * band * band <= workOverCells * places.size() + 1e6) break;
+        }
+        for (size_t c = 0; c < places.size(); ++c) {
+            const Index<Dim> cell = indicesOf(first + places[c], strides);
+            int& block = blocks[c] = 0;
+            for (int k = Dim - 1; k >= 0; --k)
+                block = block * wide[k] + cell[k] / width_ - lowest[k] / width_;
         }
         numbers_.assign(most, 0);
         for (int block : blocks) numbers_[block] = 1;
@@ -108,16 +122,13 @@ template <int Dim> class PoreCoarse {
     BandMatrix matrix_;
     std::vector<double> pressure_, sums_; // of the groups
 
-    // In the order of the grid.
-    int blockOf(int number, const Index<Dim>& strides) const {
-        int block = 0;
+    static Index<Dim> indicesOf(int number, const Index<Dim>& strides) {
+        Index<Dim> cell;
         for (int k = Dim - 1; k >= 0; --k) {
-            const int index = number / strides[k];
-            number -= index * strides[k];
-            const int wide = k + 1 < Dim ? strides[k + 1] / strides[k] / width_ + 1 : 1;
-            block = block * wide + index / width_;
+            cell[k] = number / strides[k];
+            number -= cell[k] * strides[k];
         }
-        return block;
+        return cell;
     }
 };
 

@@ -180,3 +180,17 @@ def twoGroups():
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+def test_long_ground_of_one_row_of_cells_runs():
+    """Blocks are counted in the wet part alone: of all of the grid no width of them was wide enough."""
+    scene = mpm.Scene((0, 0), (2100, 3), 1.0, gravity=9.81)
+    scene.roller("left", "right", "bottom")
+    water = mpm.PoreWater(table=1.0, permeability=1e-2)
+    elastic = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.2)
+    soil = scene.add("soil", box((1900, 0), (2100, 1)), elastic, mpm.UGIMP(), water=water)
+    scene.groundStress(K0=0.5, bodies=[soil])
+    far = soil.position[:, 0] > 2050  # from the side that drips
+    before = soil.porePressure[far]
+    scene.run(steps=3, progress=False)
+    assert water.iterations > 0 and soil.porePressure[far] == pytest.approx(before, rel=1e-4)

@@ -128,3 +128,36 @@ def test_the_triangles_of_a_file_are_a_rigid_body(tmp_path):
     weight = 2 * 9.81 * 3
     assert start < 0 and pushed == pytest.approx(weight * 0.2 + momentum, rel=1e-6)
     assert scene["slab"].position[:, 2].min() > 2.1
+
+
+NORMALS = "# drawn\nmtllib a.mtl\no rock\nvn 0 0 1\nvt 0 0\ns off\n"
+
+
+@pytest.mark.parametrize("corner", ["{0}/1/1", "{0}//1", "{0}/1", "{1}"])
+def test_an_obj_file_may_have_normals_textures_and_faces_of_many_corners(corner, tmp_path):
+    """A prism on a hexagon of the area 1.5 sqrt(3)."""
+    pytest.importorskip("vtk")
+    angles = np.arange(6) * np.pi / 3
+    points = [(np.cos(a), np.sin(a), z) for z in (0, 1) for a in angles]
+    faces = [range(5, -1, -1), range(6, 12), *((k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6) for k in range(6))]
+    rows = [f"v {x:.9g} {y:.9g} {z}\n" for x, y, z in points]
+    rows += ["f " + " ".join(corner.format(c + 1, c - 12) for c in face) + "\n" for face in faces]
+    file = tmp_path / "prism.OBJ"
+    file.write_text(NORMALS + "".join(rows))
+    facets = mpm.rigid.facetsFromFile(file)
+    area = sum(
+        np.linalg.norm(np.cross(f.vertices[1] - f.vertices[0], f.vertices[2] - f.vertices[0])) / 2
+        for f in facets
+    )
+    assert len(facets) == 20 and area == pytest.approx(3 * 3**0.5 + 6)
+    assert mpm.solidFromFile(file).contains([[0.0, 0.8, 0.5], [0.9, 0.4, 0.5]]).tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "words", ["v nan 1 1", "v 1 one 1", "v 1 2", "f 1 2 99999999999999999999", "f 1 2 x"]
+)
+def test_an_obj_file_with_other_words_is_refused(words, tmp_path):
+    file = written(tmp_path / "cube.obj", CORNERS, FACES)
+    file.write_text(f"{words}\n" + file.read_text())
+    with pytest.raises(ValueError, match="facetsFromFile: .*cube.obj"):
+        mpm.rigid.facetsFromFile(file)

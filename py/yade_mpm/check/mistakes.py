@@ -84,7 +84,8 @@ def _water(scene):
     if water is None or not wet:
         return
     closed = sum((b.volume * (b.saturation > 0 if b in wet else 1)).sum() for b in scene.bodies)  # to the air
-    isFull = closed > (1 - ROUNDOFF) * np.prod(scene.upper - scene.lower)
+    ofGrid = np.prod(scene.upper - scene.lower) * scene._thicknessAt(0.5 * (scene.lower[0] + scene.upper[0]))
+    isFull = closed > (1 - ROUNDOFF) * ofGrid
     if (
         not (water.heads or water.drained)
         and (water.sealed or isFull)

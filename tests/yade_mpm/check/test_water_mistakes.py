@@ -12,9 +12,9 @@ from yade_mpm import box
 LAW = dict(density=2.0, young=1e4, poisson=0.3, cohesion=5.0, frictionAngle=0.4, dilatancyAngle=0)
 
 
-def ground(height=0.5, before=9.81, after=None, **water):
+def ground(height=0.5, before=9.81, after=None, axisymmetric=False, **water):
     """Wet ground in a grid of 1 x 1 m."""
-    scene = mpm.Scene((0, 0), (1, 1), 0.25, gravity=before)
+    scene = mpm.Scene((0, 0), (1, 1), 0.25, gravity=before, axisymmetric=axisymmetric)
     scene.fix("bottom")
     scene.roller("left", "right", "top")
     soil = box((0, 0), (1, height))
@@ -34,7 +34,9 @@ PASCAL, PER_DAY = "is in kPa: give 2.2e6", "8.6 m/d are 9.95e-05"
     [
         (UNDRAINED, dict(sealed=True)),
         (UNDRAINED, dict(height=1.0)),
+        (UNDRAINED, dict(height=1.0, axisymmetric=True)),
         (None, dict()),
+        (None, dict(axisymmetric=True)),
         (None, dict(sealed=True, permeability=0.0)),
         (None, dict(sealed=True, heads={"left": 0.5})),
         (None, dict(sealed=True, drained="left")),

@@ -35,7 +35,7 @@ def main():
     scene.roller("left", "right")
     soil = scene.add("soil", box((0, 0), (17, TOP)) - sheet.region, sand, mpm.UGIMP())
     wall = scene.add("wall", sheet)
-    scene.contact(wall, soil).sharedCells = False  # for a smooth, plane wall
+    scene.contact(wall, soil)
     scene.initialStress(surface=TOP, K0=0.5, bodies=[soil])
     scene.history(every=0.02 * a.rest)
     scene.dt, found = 2e-3 * a.cell, {}

@@ -132,6 +132,14 @@ in front of it takes in what the soil sucks, as if it rained."""
         ignored = ("permeability", "porosity", "iterations", "outflow", "inflow", "debt", "changes", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
+    def _overTime(self):
+        """Names of what is given over time, and is not the same at all times."""
+        rows = (np.reshape(self.levels, (-1, 1 + len(self.table) // 2)), np.reshape(self.rise, (-1, 2)))
+        faces = np.reshape(self.heads, (-1, 3))
+        rows += tuple(faces[faces[:, 0] == k, 1:] for k in np.unique(faces[:, 0]))
+        names = "table", "rise", *["heads"] * (len(rows) - 2)
+        return [name for name, one in zip(names, rows) if len(one) and np.ptp(one[:, 1:], axis=0).any()]
+
     @takes(body=BODY)
     def hydrostatic(self, body):
         """Pressure at rest below the table at the particles of a body, kPa (N,)."""

@@ -119,9 +119,10 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True, jobs=1):
 
     Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
     their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3
-    at least. psi is never above phi. Water drains as in the long term. Raises TypeError where build() returns
-    no scene, ValueError without gravity or without a soil whose strength can be divided, RuntimeError where
-    the ground stands or fails at all factors, or a trial ends with an error.
+    at least. psi is never above phi. Water drains as in the long term, at levels
+    that do not change with time. Raises TypeError where build() returns no scene, ValueError without gravity,
+    without a soil whose strength can be divided or for levels over time, RuntimeError where the ground stands
+    or fails at all factors, or a trial ends with an error.
 
     Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that
     do not come to rest).
@@ -166,6 +167,11 @@ def _drain(scene, height, seconds):
         raise ValueError(
             f"safety: '{wet[0].name}' has water and a permeability of 0, so its weight would stay in the "
             "water; give a permeability, or leave water out and give undrained strengths"
+        )
+    if wet and (moving := waterOf(scene)._overTime()):
+        raise ValueError(
+            f"safety: levels of the water ({moving[0]}) change with time, and a factor is of one moment; "
+            "let build() give the level of that moment"
         )
     for body in wet:
         body.permeability *= max(1.0, DRAINED * height**2 / (slowest * seconds))

@@ -9,6 +9,7 @@ import yade_mpm as mpm
 from inputs import cases, refused
 from setups import restarted
 from yade_mpm import box
+from yade_mpm.engine.poreWater import waterOf
 
 CLAY = dict(density=2.0, young=1e4, poisson=0.3, cohesion=5.0, frictionAngle=radians(25), dilatancyAngle=0)
 
@@ -141,10 +142,22 @@ def twoTables():
     body.scene.add("more", box((0, 0.5), (1, 0.75)), body.material, mpm.UGIMP(), water=more)
 
 
-def heavy():
-    body = made(of={"permeability": 0})()
+def heavy(**options):
+    body = made(of={"permeability": 0} | options)()
     body.scene.gravity = 9.81
     return body.scene
+
+
+def atLevels(**levels):
+    return lambda: mpm.safety(lambda: heavy(permeability=1e-6, **levels), progress=False)
+
+
+def test_water_tells_what_changes_with_time():
+    still = dict(
+        table={0: 0.4, 9: 0.4}, rise=[(0, 1), (9, 1)], heads={"left": 0.3, "right": [(0, 1), (9, 1)]}
+    )
+    assert waterOf(heavy(**still))._overTime() == []
+    assert waterOf(heavy(heads={"left": 0.3, "right": [(0, 0.3), (9, 0.2)]}))._overTime() == ["heads"]
 
 
 def twoGroups():
@@ -164,6 +177,9 @@ def twoGroups():
     ("drained has 'north' ... left, right", made(of={"drained": "north"})),
     ("inflows has '6' for 'left' ... flow in m/s", lambda: mpm.PoreWater(inflows={"left": "6"}), TypeError),
     ("safety: 'soil' has water and a permeability of 0", lambda: mpm.safety(heavy, progress=False)),
+    ("safety: levels of the water (table)", atLevels(table={0: 0.4, 9: [(0, 0.4), (1, 0.2)]})),
+    ("safety: levels of the water (rise)", atLevels(table=0.4, rise=[(0, 0), (9, -0.2)])),
+    ("safety: levels of the water (heads)", atLevels(heads={"left": [(0, 0.4), (9, 0.2)]})),
     ("heads = 3", lambda: mpm.PoreWater(heads=3.0), TypeError),
     ("heads has '6' for 'left'", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
     ("permeability = -1", lambda: mpm.PoreWater(permeability=-1)),

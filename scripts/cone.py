@@ -64,13 +64,18 @@ def shape(a, cell, top):
     return geotech.quadrilaterals(x, np.repeat(heights[:, None], a.cells + 1, axis=1)), mpm.polygon(hole)
 
 
-def build(a):
-    """The scene: the cone in its hole, stress at rest (without output)."""
+def emptyScene(a, wide):
+    """The scene without bodies, the cell at the cone, depth and height, m. wide : of the ground, R."""
     cell = RADIUS / a.cells
     deep, top = ceil((START + a.way + BELOW) * a.cells) * cell, ceil((a.way + 2) * a.cells) * cell
     even = mpm.Grading(((0, -deep), (EVEN * RADIUS, top)), largest=2 * RADIUS)
-    size = (0, -deep), (WIDE * RADIUS, top)
-    scene = mpm.Scene(*size, cell, grading=even, axisymmetric=True, threads=a.threads)
+    size = (0, -deep), (wide * RADIUS, top)
+    return mpm.Scene(*size, cell, grading=even, axisymmetric=True, threads=a.threads), cell, deep, top
+
+
+def build(a):
+    """The scene: the cone in its hole, stress at rest (without output)."""
+    scene, cell, deep, top = emptyScene(a, WIDE)
     shear = a.rigidity * STRENGTH
     lame = 2 * shear * POISSON / (1 - 2 * POISSON), shear
     clay = mpm.Tresca(density=DENSITY, lame=lame, undrainedStrength=STRENGTH)

@@ -21,7 +21,7 @@ from math import ceil, log, pi, sqrt
 import cone
 import numpy as np
 import yade_mpm as mpm
-from cone import BELOW, BLUNT, EVEN, GRAVITY, RADIUS, SLOPE, START
+from cone import BLUNT, GRAVITY, RADIUS, SLOPE, START
 from yade_mpm import Parameter, app, box, plot
 from yade_mpm.diagnostics import piezometer
 from yade_mpm.geotech import reference
@@ -50,24 +50,11 @@ arguments = PARAMETERS.parse
 
 def build(a):
     """The scene: the cone in its hole, water and effective stress at rest (without output)."""
-    cell = RADIUS / a.cells
-    deep, top = ceil((START + a.way + BELOW) * a.cells) * cell, ceil((a.way + 2) * a.cells) * cell
-    even = mpm.Grading(((0, -deep), (EVEN * RADIUS, top)), largest=2 * RADIUS)
-    size = (0, -deep), (WIDE * RADIUS, top)
-    scene = mpm.Scene(*size, cell, grading=even, axisymmetric=True, threads=a.threads)
+    scene, cell, deep, top = cone.emptyScene(a, WIDE)
     mesh, hole = cone.shape(a, cell, top)
     a.constraints = "auto"
-    reference.drive(
-        scene,
-        "cone",
-        mesh,
-        a,
-        RAMP,
-        gravity=(0, -GRAVITY),
-        damping=0.05,
-        roller=("left", "right"),
-        fixed="bottom",
-    )
+    walls = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
+    reference.drive(scene, "cone", mesh, a, RAMP, **walls)
     shear = a.rigidity * STRENGTH
     clay = mpm.Tresca(
         density=DENSITY, lame=(2 * shear * POISSON / (1 - 2 * POISSON), shear), undrainedStrength=STRENGTH

@@ -34,18 +34,25 @@ RAMP = 0.02  # m, over which the rate grows from zero
 BEARING = 9.0  # N of a deep tip
 KINDS = {"caisson": (1 / 6, 2.0, 24, 0.5), "open": (1 / 3, 5.0, 12, 1.0), "closed": (1.0, 4.0, 6, 0.5)}
 
+
+def wallOf(a):
+    """Thickness over R; coarse cells take a thicker wall, two of them."""
+    wall = KINDS[a.kind][0]
+    return max(wall, 0.5) if a.smoke else wall
+
+
 PARAMETERS = mpm.Parameters(
     "tube",
     __doc__,
     Parameter("kind", "caisson", "of the tube", choices=tuple(KINDS)),
-    Parameter("wall", lambda a: KINDS[a.kind][0], "its thickness, of the kind", unit="R", above=0, most=1),
+    Parameter("wall", wallOf, "its thickness, of the kind", unit="R", above=0, most=1),
     Parameter("depth", lambda a: KINDS[a.kind][1], "of the tip at the end, of the kind", unit="R", above=0.5),
     Parameter("cells", lambda a: KINDS[a.kind][2], "per radius, of the kind", least=4, whole=True),
     Parameter("alpha", lambda a: KINDS[a.kind][3], "strength of the interface, of the kind", least=0, most=1),
     Parameter("rate", 0.5, "of the tube", unit="m/s", above=0),
     reference.FBAR,
     reference.CONSTRAINTS,
-    smoke={"wall": 0.5, "cells": 4, "depth": 1.0},
+    smoke={"cells": 4, "depth": 1.0},
 )
 arguments = PARAMETERS.parse
 

@@ -58,6 +58,13 @@ def test_clay_flows_back_below_the_published_depth(verified):
 
 
 # --- tubes ------------------------------------------------------------------------------------------------
+def test_a_closed_pile_is_closed_when_it_is_coarse_too():
+    walls = [
+        script("tube").arguments(["--kind", kind, "--smoke"]).wall for kind in ("caisson", "open", "closed")
+    ]
+    assert walls == [0.5, 0.5, 1.0]
+
+
 @pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
 def test_the_formula_has_the_shafts_and_the_tip(alpha):
     """R = 1 m, a wall of half of it, 2 m deep, filled to the surface: 9 su + gamma z = 120 kPa on the tip."""

@@ -131,7 +131,7 @@ template <int Dim> class BoxParts {
     }
 };
 
-// What an engine may be besides: bodies of its own press on boxes.
+// An engine whose bodies press on boxes.
 class PressingOnBoxes {
   public:
     virtual ~PressingOnBoxes() = default;
@@ -147,7 +147,7 @@ class PressingOnBoxes {
     std::tuple<std::vector<BoxParts<2>>, std::vector<BoxParts<3>>> parts_;
 };
 
-// Cells round some others, and what is known of them.
+// Marked cells of the grid, each with its share s.
 template <int Dim> class MarkedCells {
   public:
     explicit MarkedCells(const Grid<Dim>& grid) : grid_(grid), isMarked_(grid.count), inside_(grid.count) {}

@@ -119,10 +119,10 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True, jobs=1):
 
     Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
     their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3
-    at least. psi is never above phi. Water drains as in the long term, at levels
-    that do not change with time. Raises TypeError where build() returns no scene, ValueError without gravity,
-    without a soil whose strength can be divided or for levels over time, RuntimeError where the ground stands
-    or fails at all factors, or a trial ends with an error.
+    at least. psi is never above phi. Water drains as in the long term, at levels that stay.
+    Raises TypeError where build() returns no scene, ValueError without gravity, without a soil whose strength
+    can be divided or for levels over time, RuntimeError where the ground stands or fails at all factors, or a
+    trial ends with an error.
 
     Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that
     do not come to rest).

@@ -16,7 +16,8 @@ double norm(const Symmetric& a) { return std::sqrt(dot(a, a)); }
 
 // What a particle remembers, and its stress: s = deviator, compression positive, over its pressure p.
 struct SandState {
-    double p, least; // pressure; below `least`, smallestPressure or what there was, it does not fall
+    // Pressure. Below `least`, smallestPressure or what there was, it does not fall but by dilation from outside.
+    double p, least;
     Symmetric s, alpha, fabric, reversal;
     double shear = 0, volumetric = 0; // plastic strain of the step
 };
@@ -201,20 +202,21 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         const double K = law.stiffness(now.p), G = shearModulus(K, poisson_),
                      radius = std::sqrt(2.0 / 3) * m_;
         const Symmetric trial = now.s + 2 * G * shear;
-        const double pTrial = law.pressure(law.strain(now.p) + compressed);
+        const double pTrial = law.pull(law.strain(now.p) + compressed);
         Symmetric away = trial - pTrial * now.alpha;
-        const double size = norm(away), beyond = size - radius * pTrial;
+        const double size = norm(away), beyond = size - radius * std::max(pTrial, 0.0);
         now.s = trial;
         now.p = pTrial;
         if (beyond > 0) flow(now, direction(away, beyond), beyond, K, G, e);
         if (now.p >= now.least) return 0;
-        // The grains hardly touch: the stress ratio stays.
-        const double missing = (now.least - now.p) / law.stiffness(smallest_);
+        // The grains hardly touch: the stress ratio stays. What pulls them apart takes the rest of the pressure, too.
+        const double soft = law.stiffness(smallest_), missing = (now.least - now.p) / soft,
+                     pulled = std::clamp(-compressed, 0.0, missing), left = now.least - soft * pulled;
         away = now.s - now.p * now.alpha;
-        now.p = now.least;
+        now.p = now.least = std::max(0.0, left);
         const double far = norm(away);
         now.s = now.p * now.alpha + std::min(1.0, radius * now.p / std::max(far, 1e-300)) * away;
-        return std::clamp(-compressed, 0.0, missing);
+        return std::max(0.0, -left) / soft;
     }
 
     // Shape of the surfaces between compression and extension in direction n, and the flow B n - C dev(n^2) there.

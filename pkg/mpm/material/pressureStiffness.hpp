@@ -16,9 +16,10 @@ struct PressureStiffness {
     double stiffness(double p) const { // dp/de
         return power == 0 ? bulk : bulk * std::pow(std::max(p, smallest) / reference, power);
     }
-    double pressure(double e) const {
-        const double atSmallest = stiffness(smallest), linear = smallest + atSmallest * e;
-        if (e <= 0 || power == 0) return std::max(0.0, linear);
+    double pressure(double e) const { return std::max(0.0, pull(e)); }
+    double pull(double e) const { // the same, with tension: negative
+        const double atSmallest = stiffness(smallest);
+        if (e <= 0 || power == 0) return smallest + atSmallest * e;
         if (power == 1) return smallest * std::exp(atSmallest / smallest * e);
         return smallest * std::pow(1 + (1 - power) * atSmallest / smallest * e, 1 / (1 - power));
     }

@@ -139,23 +139,26 @@ def testStepsOfAnySizeGiveAPossibleStress():
             stress = point.gradient(10 ** rng.uniform(-6, -2) * rng.normal(size=(3, 3)), 1.0)
             p = -np.trace(stress) / 3
             q = np.sqrt(1.5 * ((stress + p * np.eye(3)) ** 2).sum())
-            assert np.isfinite(stress).all() and p > 0
+            assert np.isfinite(stress).all() and p >= 0
             assert q <= 4 * M * p
 
 
-def testSandThatIsTornApartGainsNoSpeed():
+@pytest.mark.parametrize("fbar", [True, False])
+@pytest.mark.parametrize("rate", [8, 2])
+def testSandThatIsTornApartGainsNoSpeed(rate, fbar):
+    """All it gets is what it had stored. A pressure that stays would give it 27 % of its energy in 0.4 s."""
     scene = mpm.Scene((-2, -2), (8, 5), cell=0.5, threads=1)
     law = mpm.Sanisand(**SAND, stateParameter=-0.05)
-    body = scene.add("sand", mpm.box((1, 0), (3, 2)), law, mpm.UGIMP(perCell=2))
+    body = scene.add("sand", mpm.box((1, 0), (3, 2)), law, mpm.UGIMP(perCell=2), fbar=fbar)
     body.setStress(-20.0 * np.eye(3))
     history = mpm.History(iterPeriod=1)
     scene.engines = [*chain(), history]
-    body.velocity[:, 0] = 8 * (body.position[:, 0] - 2)
-    scene.run(until=0.1, progress=False)
+    body.velocity[:, 0] = rate * (body.position[:, 0] - 2)
+    stored = mpm.diagnostics.storedEnergy(scene)
+    scene.run(until=0.8 / rate, progress=False)
     energy = history["kineticEnergy"]
-    assert energy.max() < 1.03 * energy[0]
-    pressure = -np.trace(body.stress, axis1=1, axis2=2) / 3
-    assert pressure.min() >= 0 and pressure.max() < 1
+    assert energy.max() < energy[0] + stored < 1.03 * energy[0]
+    assert np.abs(body.stress).max() < 1e-9
 
 
 @pytest.mark.parametrize(

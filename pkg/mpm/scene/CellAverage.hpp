@@ -29,6 +29,16 @@ struct MeanOfStress {
         return (diagonal[0][p] + diagonal[1][p] + diagonal[2][p]) / 3;
     }
 };
+// The same over the axes that strain: in plane strain two. It is what does the work of a rate of volume change that
+// these axes share.
+template <int Dim> struct StrainedMean : MeanOfStress {
+    bool isPlane;
+    StrainedMean(const Field& stress, const Grid<Dim>& grid)
+        : MeanOfStress(stress), isPlane(Dim == 2 && !grid.isAxisymmetric) {}
+    MPM_INLINE double operator()(int p) const {
+        return isPlane ? 0.5 * (diagonal[0][p] + diagonal[1][p]) : MeanOfStress::operator()(p);
+    }
+};
 
 template <int Dim> class CellAverage {
   public:
@@ -68,7 +78,7 @@ template <int Dim> class CellAverage {
             for (int slab = firstSlab; slab < endSlab; ++slab)
                 if (!where_.hasKept(slab)) enter(grid, slab);
         });
-        const MeanOfStress mean(particles.stress);
+        const StrainedMean<Dim> mean(particles.stress, grid);
         average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell) {
             cell.volume = cell.weight;
             cell.inside = cell.shared = cell.taken = 0;

@@ -74,6 +74,16 @@ def testStrengthsStayThroughARestart():
     np.testing.assert_array_equal(again.bodies[0].byId("undrainedStrength"), body.byId("undrainedStrength"))
 
 
+def testAPictureHasTheStrengthOfEachParticle():
+    plt = pytest.importorskip("matplotlib.pyplot", reason="no matplotlib here (Debian: python3-matplotlib)")
+    plt.switch_backend("Agg")
+    scene, body = block(clay(linear))
+    shown = scene.plot("undrainedStrength").collections[0].get_array()
+    plt.close("all")
+    np.testing.assert_allclose(np.sort(shown), np.sort(body.undrainedStrength), rtol=1e-12)
+    assert np.ptp(shown) > 1
+
+
 def testPerParticleMeansThatYouSetTheField():
     scene, body = block(clay("per particle"))
     with pytest.raises(ValueError, match="undrainedStrength"):

@@ -25,6 +25,7 @@ LIMITS = {
     "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
     "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
+    "inertialShare": 0.05,  # measured: the load is too high by as much to twice of it, see the page
     "hourglassRatio": 0.05,  # Abaqus: artificial energy below 5 to 10 % of the internal one
     "volumeError": 0.1,  # our choice: few cells of a small body scatter by half of it
     "loadJump": 0.1,  # our choice: half of it to either side of a smooth curve, which would not be seen
@@ -43,6 +44,7 @@ _meaning = {
     "energyError": "the energy balance is open by {} of the work done",
     "dampedRatio": "damping took {} of the work done",
     "dampedShare": "damping carried up to {} of the load",
+    "inertialShare": "up to {} of the load accelerated what it moves, or let it slow down",
     "hourglassRatio": "hourglass control stores {} of the work done",
     "volumeError": "the volumes of the particles are off by {} of the cells that they fill",
     "loadJump": "the load jumps by {} when the moving body crosses a row of cells",
@@ -51,6 +53,7 @@ _meaning = {
 _remedy = {
     "energyError": ": half the rate, or half the cells where the rate makes no difference",
     "dampedRatio": ": damp less and load more slowly (not of soil that comes to rest, as after a dig)",
+    "inertialShare": ": load more slowly, or with a ramp",
     "loadJump": ": take smaller cells, or the mean load over a cell of the path",
 }
 
@@ -69,6 +72,9 @@ class Certificate:
         at the end, -.
     dampedShare : largest share of the work that damping took in any tenth of the rows: of the load that moves
         something, the part that damping carries then, -; nan where no tenth does 5 % of the mean work.
+    inertialShare : largest change of the kinetic energy in any tenth of the rows over the work of the
+        prescribed motions in it, -: of their load, the part that is inertia then; None: nothing is
+        prescribed, or the history does not tell, or no tenth does 5 % of the mean work.
     hourglassRatio : largest energy stored by hourglass control over the work done, -; None: the history
         does not tell.
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
@@ -99,6 +105,7 @@ class Certificate:
     volumeError: float | None = None
     loadJump: float | None = None
     unseenRatio: float | None = None
+    inertialShare: float | None = None
     drainage: str | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
     notJudged: dict = field(default_factory=dict)
@@ -168,8 +175,8 @@ def quasiStatic(
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
     limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
-        unseenRatio 0.01, energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05,
-        volumeError 0.1, loadJump 0.1, rateSensitivity 0.05.
+        unseenRatio 0.01, energyError 0.02, dampedRatio 0.05, dampedShare 0.1, inertialShare 0.05,
+        hourglassRatio 0.05, volumeError 0.1, loadJump 0.1, rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic
     energy that the drive prescribes, the more the larger its inertia; it says nothing about how what it
@@ -214,6 +221,7 @@ def quasiStatic(
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),
         dampedShare=_carried(damped, work),
+        inertialShare=_inertial(history, rows, kinetic, onLoad - work),
         hourglassRatio=_ratioOf("hourglassEnergy", history, rows, work),
         unseenRatio=_ratioOf("unseenEnergy", history, rows, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
@@ -275,12 +283,28 @@ def _ratioOf(name, history, rows, work):
     return _largest(np.asarray(history[name], dtype=float)[rows], work)
 
 
-def _carried(damped, work):
-    """Largest damped energy over the work of a tenth of the rows; nan where nothing moves in any."""
+def _carried(taken, work):
+    """Largest energy taken over the work of a tenth of the rows; nan where nothing moves in any."""
     ends = np.unique(np.linspace(0, len(work) - 1, 11).round().astype(int))
-    took, done = np.diff(damped[ends]), np.diff(work[ends])
+    took, done = np.diff(taken[ends]), np.diff(work[ends])
     moves = done > MOVING * (work[-1] - work[0]) / max(1, len(done))
     return float((took[moves] / done[moves]).max()) if moves.any() else math.nan
+
+
+def _inertial(history, rows, kinetic, carried):
+    """Largest change of the kinetic energy over the work of the prescribed motions in a tenth of the rows, or
+    None. carried: what they do on the bodies that they carry along, of which no load speaks."""
+    names = [n for n in _names(history) if n.endswith(".work")]
+    if not names:
+        return None
+    each = [np.abs(np.diff(np.asarray(history[n], dtype=float)[rows])) for n in names]
+    work = np.r_[0.0, np.cumsum(np.sum(each, axis=0))] + carried - carried[0]
+    if not np.isfinite(work).all() or not work[-1] > 0:
+        return None
+    ends = np.unique(np.linspace(0, len(work) - 1, 11).round().astype(int))
+    changed = np.r_[0.0, np.cumsum(np.abs(np.diff(kinetic[ends])))]
+    share = _carried(np.interp(np.arange(len(work)), ends, changed), work)
+    return None if math.isnan(share) else share
 
 
 def _volumeError(history, rows):

@@ -6,6 +6,7 @@
 #include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/spareStrength.hpp"
 
 namespace mpm {
 namespace {
@@ -128,8 +129,10 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         const std::vector<Surface> surfaces = surfacesOf(1, points);
         for (int i = 0; i < points.count; ++i) {
-            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            strength[i] = std::max(0.0, 0.5 * surfaces[i].twiceCCosPhi - p * surfaces[i].sinPhi);
+            const auto [p, J2] = invariants(points, i);
+            const double cohesion = 0.5 * surfaces[i].twiceCCosPhi;
+            strength[i] =
+                spareStrength(std::max(0.0, cohesion - p * surfaces[i].sinPhi), cohesion, std::sqrt(J2));
         }
     }
 

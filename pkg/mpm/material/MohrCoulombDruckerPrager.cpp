@@ -7,6 +7,7 @@
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/spareStrength.hpp"
 
 #include <limits>
 
@@ -246,9 +247,10 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         StrengthRun run(points.count);
         strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
         for (int i = 0; i < points.count; ++i) {
-            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            const auto [p, J2] = invariants(points, i);
             const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
-            strength[i] = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
+            const double atPressure = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
+            strength[i] = spareStrength(atPressure, cone.cCosPhi, std::sqrt(J2));
         }
     }
 

@@ -4,6 +4,7 @@
 
 #include "mpm/material/Material.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/spareStrength.hpp"
 
 #include <cmath>
 
@@ -31,7 +32,9 @@ template <int Dim> double pressureOf(const MaterialPoints<Dim>& points, int i) {
 }
 // Shear stress at the critical state.
 template <int Dim> void criticalStrength(double M, const MaterialPoints<Dim>& points, double* strength) {
-    for (int i = 0; i < points.count; ++i) strength[i] = M * pressureOf(points, i) / std::sqrt(3.0);
+    for (int i = 0; i < points.count; ++i)
+        strength[i] =
+            spareStrength(M * pressureOf(points, i) / std::sqrt(3.0), 0, std::sqrt(invariants(points, i).J2));
 }
 inline double shearModulus(double bulk, double poisson) {
     return 1.5 * bulk * (1 - 2 * poisson) / (1 + poisson);

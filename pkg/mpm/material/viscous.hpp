@@ -7,6 +7,7 @@
 
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
+#include "mpm/material/spareStrength.hpp"
 
 namespace mpm {
 
@@ -63,9 +64,10 @@ template <class Derived> class ViscousOf : public MaterialOf<Derived> {
         self().flow(points);
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i)
-            strength[i] =
-                self().strengthAt(-(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+        for (int i = 0; i < points.count; ++i) {
+            const auto [mean, J2] = invariants(points, i);
+            strength[i] = spareStrength(self().strengthAt(-mean), self().strengthAt(0), std::sqrt(J2));
+        }
     }
 
   private:

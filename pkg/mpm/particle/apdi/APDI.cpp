@@ -31,7 +31,7 @@ class APDI : public ParticleType {
         return {{"hourglass", "-",
                  "Coefficient of the stiffness against hourglass patterns of the vertices; 0: none, "
                  "1: as stiff as the exactly integrated element. In soil that yields the stress against a "
-                 "pattern is at most 0.3 of the shear strength.",
+                 "pattern is at most 0.3 of the cohesion and of the friction that is left.",
                  &hourglass, Range::between(0, 1)},
                 {"onDistortion",
                  "-",

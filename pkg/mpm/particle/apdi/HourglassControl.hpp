@@ -11,8 +11,8 @@
 // square would, with coefficient 1, be the exactly integrated bilinear element, which locks near
 // incompressibility. q makes a cube as stiff against the patterns of its faces, so that plane strain is a slab
 // between rollers. Soil that yields bears no more: the stress of the
-// patterns, k |h| / (V sqrt(q)), stays below a part of the shear strength, else the load of a footing would
-// grow with the elastic modulus.
+// patterns, k |h| / (V sqrt(q)), stays below a part of the strength that the material has beside its stress
+// (material/spareStrength.hpp), else the load of a footing would grow with the elastic modulus.
 #pragma once
 
 #include "mpm/particle/apdi/DomainMesh.hpp"
@@ -27,8 +27,6 @@ template <int Dim> class HourglassControl {
     // Part of the shear strength: soil ten times as stiff then carries the same footing (a part of 1: 1.4 % more,
     // without a limit 11 %).
     static constexpr double bearable = 0.3;
-    // Part of the elastic stiffness that stays where soil bears nothing, so that its patterns do not drift.
-    static constexpr double leastShare = 0.02;
 
     explicit HourglassControl(double coefficient) : coefficient_(coefficient) {}
 
@@ -140,8 +138,7 @@ template <int Dim> class HourglassControl {
                 square += c.steepness[m][p] * sum;
             }
             const double stress = c.modulus[p] * std::sqrt(square);
-            const double most = std::max(limit[p], leastShare * stress);
-            const double share = stress > most ? most / stress : 1.0;
+            const double share = stress > limit[p] ? limit[p] / stress : 1.0;
             MPM_UNROLL
             for (int m = 0; m < modes; ++m) {
                 const double k = share * c.stiffness(m, p);
@@ -225,15 +222,12 @@ template <int Dim> class HourglassControl {
         MPM_INLINE double stiffness(int m, int p) const { return modulus[p] * volume[p] * steepness[m][p]; }
     };
 
-    // The stress of the pattern grows with its strain up to the limit, stays there, and grows on where a part
-    // of the elastic stress exceeds it.
+    // The stress of the pattern grows with its strain up to the limit and stays there.
     double energyDensity(int p, double strain) const {
         const double M = modulus_[p];
         if (!(M > 0)) return 0;
         const double first = std::min(strain, limit_[p] / M);
-        const double second = std::clamp(limit_[p] / (leastShare * M), first, strain);
-        return 0.5 * M * first * first + (second > first ? limit_[p] * (second - first) : 0) +
-               0.5 * leastShare * M * (strain * strain - second * second);
+        return 0.5 * M * first * first + (strain > first ? limit_[p] * (strain - first) : 0);
     }
 
     const double coefficient_;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hourglass control bears no more than a part of what the soil bears: the load of a footing does not follow
-the elastic modulus. Its energy is the work that bringing the pattern about takes."""
+"""Hourglass control bears no more than a part of what the soil still bears beside its stress: cohesion, and
+the friction that is left. The load of a footing does not follow the elastic modulus. Its energy is the work
+that bringing the pattern about takes."""
 
 import numpy as np
 import pytest
@@ -11,14 +12,14 @@ EDGE = 0.1
 STRONG = 1e9  # kPa: does not yield here
 
 
-def domainWithPattern(amplitude, cohesion, angle=0.0, pressure=0.0, dim=2):
+def domainWithPattern(amplitude, cohesion, angle=0.0, pressure=0.0, dim=2, shear=0.0):
     """A lone square of soil in the hourglass pattern, amplitude in parts of its edge."""
     scene = mpm.Scene((0,) * dim, (1,) * dim, 0.1, threads=1)
     soil = mpm.MohrCoulombDruckerPrager(
         density=2.0, lame=(1e4, 1e4), cohesion=cohesion, frictionAngle=angle, dilatancyAngle=0.0
     )
     body = scene.add("soil", mpm.box((0.4,) * dim, (0.5,) * dim), soil, mpm.APDI(size=EDGE, hourglass=0.05))
-    body.stress = -pressure * np.eye(3)
+    body.stress = -pressure * np.eye(3) + shear * (np.eye(3)[[1, 0, 2]] - np.diag([0.0, 0.0, 1.0]))
     centre = body.vertices.mean(axis=0)
     sign = np.sign(body.vertices - centre)
     body.vertices[:, 0] += amplitude * EDGE * sign[:, 0] * sign[:, 1]
@@ -67,8 +68,17 @@ def test_the_strength_is_that_at_the_mean_stress():
     assert energy(0.1, 5.0) == pytest.approx(energy(0.1, 1e-9, angle=np.arcsin(0.5), pressure=10.0), rel=1e-9)
 
 
-def test_a_part_of_the_stiffness_stays_where_soil_bears_nothing():
-    assert force(0.1, 1e-9, angle=0.5) == pytest.approx(0.02 * force(0.1, STRONG), rel=1e-6)
+def test_friction_that_the_shear_uses_up_is_not_there_for_patterns():
+    """Strength 5 kPa of 10 kPa of pressure. Cohesion stays, whatever the shear."""
+    sand = dict(angle=np.arcsin(0.5), pressure=10.0)
+    free, half, none = (energy(0.1, 1e-9, shear=shear, **sand) for shear in (0.0, 2.5, 5.0))
+    assert half == pytest.approx(energy(0.1, 2.5), rel=1e-6)
+    assert none < 1e-6 * free
+    assert energy(0.1, 5.0, shear=4.0) == pytest.approx(energy(0.1, 5.0), rel=1e-12)
+
+
+def test_soil_that_bears_nothing_leaves_its_pattern():
+    assert energy(0.1, 1e-9, angle=0.5) < 1e-6 * energy(0.1, STRONG)
 
 
 @pytest.mark.parametrize("cohesion", [1.0, 5.0, 20.0, STRONG])
@@ -80,14 +90,9 @@ def test_the_energy_is_half_the_stiffness_and_flat_beyond_the_limit(dim, cohesio
     steepness = 3 / 4 * 2 / 3 * (2 / EDGE) ** 2
     modulus = 0.05 * (2 / 3) * (4e4 * 2e4 / 3e4 + 1e4)  # E / (1 - nu^2) + G
     strain = amplitude * EDGE * np.sqrt(steepness)
-    limit, least = 0.3 * cohesion, 0.02 * modulus
+    limit = 0.3 * cohesion
     first = min(strain, limit / modulus)
-    second = np.clip(limit / least, first, strain)
-    density = (
-        modulus * first**2 / 2
-        + limit * (second - first) * (second > first)
-        + least * (strain**2 - second**2) / 2
-    )
+    density = modulus * first**2 / 2 + limit * (strain - first)
     assert energy(amplitude, cohesion, dim=dim) == pytest.approx(EDGE**dim * density, rel=1e-9)
 
 

@@ -18,7 +18,8 @@ class BandMatrix {
     int size() const { return size_; }
     int band() const { return band_; }
     // Vectors have so many entries; those from size() on are zero.
-    int padded() const { return size_ + band_ + lanes; }
+    int padded() const { return padded(size_, band_); }
+    static int padded(int size, int band) { return size + band + lanes; }
 
     // Of the lower triangle: column <= row <= column + band.
     double& at(int row, int column) { return values_[std::size_t(column) * stride_ + (row - column)]; }

@@ -196,8 +196,8 @@ template <int Dim> void ImplicitBodies::place(ImpulseResponse<Dim>& response) {
 }
 
 template <int Dim>
-void ImplicitBodies::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const {
-    const auto& systems = std::get<State<Dim>>(states_).systems;
+void ImplicitBodies::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) {
+    auto& systems = std::get<State<Dim>>(states_).systems;
     for (size_t s = 0; s < systems.size(); ++s) {
         int first = systems[s].unknowns();
         for (const auto& asked : response.nodes)
@@ -266,8 +266,8 @@ template bool ImplicitBodies::moves<2>(int, int) const;
 template bool ImplicitBodies::moves<3>(int, int) const;
 template void ImplicitBodies::place(ImpulseResponse<2>&);
 template void ImplicitBodies::place(ImpulseResponse<3>&);
-template void ImplicitBodies::start(const Scene<2>&, ImpulseResponse<2>&, int) const;
-template void ImplicitBodies::start(const Scene<3>&, ImpulseResponse<3>&, int) const;
+template void ImplicitBodies::start(const Scene<2>&, ImpulseResponse<2>&, int);
+template void ImplicitBodies::start(const Scene<3>&, ImpulseResponse<3>&, int);
 template void ImplicitBodies::answer(const Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
                                      std::vector<Vec<2>>&);
 template void ImplicitBodies::answer(const Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,

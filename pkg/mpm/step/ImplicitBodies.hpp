@@ -22,7 +22,7 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     // Of a response whose nodes, each of which an implicit body moves, are given: tells these their unknowns, and
     // starts a way along each body; sites of contact have unknowns less than `span` apart.
     template <int Dim> void place(ImpulseResponse<Dim>& response);
-    template <int Dim> void start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const;
+    template <int Dim> void start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span);
     // Changes of the velocities of these nodes by impulses on them, in their order, m/s; nothing takes them.
     template <int Dim>
     void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,

@@ -40,7 +40,7 @@ template <int Dim> class ImplicitSystem {
     // Tells those nodes of a response that belong to the system, number `body`, their unknowns. number: of nodes.
     void place(ImpulseResponse<Dim>& response, int body, const std::vector<int>& number) const;
     // Starts a way along it from the last unknown to `first`; a site of contact has unknowns less than `span` apart.
-    void start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const;
+    void start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span);
     // Changes of the velocities of the nodes of a response that are its own, as system number `body`, by impulses on them.
     void answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
                 const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes);
@@ -59,6 +59,7 @@ template <int Dim> class ImplicitSystem {
   private:
     std::vector<StrainedNodes<Dim>*> members_;
     BandMatrix factor_;
+    bool isFactorised_ = false;
     int band_ = 0;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<double> straining_;                          // what only strains, m/s
@@ -78,10 +79,17 @@ template <int Dim> class ImplicitSystem {
             for (int k = 0; k < Dim && response.nodes[n].body == body; ++k)
                 if (const int i = response.nodes[n].unknown + k; holderOf(nodal, i) < 0) f(n, k, i);
     }
-    void solveFor(const NF& nodal, const ImpulseResponse<Dim>& response, int body,
+    void solveFor(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response, int body,
                   const std::vector<Vec<Dim>>& impulses);
     // v and a of a node; returns what gravity gains, kW.
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
+    // solved_ <- the velocities by the momenta that it has; returns whether that was possible.
+    bool findVelocities(const Scene<Dim>& scene);
+    // By iteration, where that costs less than a factor that nobody else asks for.
+    bool iterate(const Scene<Dim>& scene);
+    bool mayMeetOthers(const Scene<Dim>& scene) const;
+    bool factorise(const Scene<Dim>& scene);
+    void requireFactor(const Scene<Dim>& scene);
     // factor_ = dt^2 K.
     void assemble(double square);
     void add(double square, const StrainedNodes<Dim>& strained, const Strained& particle);

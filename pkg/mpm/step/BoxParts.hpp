@@ -131,43 +131,34 @@ template <int Dim> class BoxParts {
     }
 };
 
-// An engine whose bodies press on boxes.
-class PressingOnBoxes {
-  public:
-    virtual ~PressingOnBoxes() = default;
-    // f(number of the body of the scene, place) for the boxes that were pressed in the last step.
-    virtual void forPressed(const std::function<void(int, const Vec3&)>& f) const = 0;
-
-    // Of each body of the scene in this step, kept by the first engine of the chain that presses.
-    template <int Dim> std::vector<BoxParts<Dim>>& parts() {
-        return std::get<std::vector<BoxParts<Dim>>>(parts_);
-    }
-
-  private:
-    std::tuple<std::vector<BoxParts<2>>, std::vector<BoxParts<3>>> parts_;
-};
-
-// Marked cells of the grid, each with its share s.
+// Marked cells of the grid, each with its share s. What was marked in a step is forgotten cell by cell: a grid may be
+// large, and one thread does this.
 template <int Dim> class MarkedCells {
   public:
-    explicit MarkedCells(const Grid<Dim>& grid) : grid_(grid), isMarked_(grid.count), inside_(grid.count) {}
+    void reset(const Grid<Dim>& grid) {
+        for (int cell : cells_) isMarked_[cell] = 0;
+        cells_.clear();
+        edges_.clear();
+        isMarked_.resize(grid.count);
+        inside_.resize(grid.count);
+    }
     void add(int cell) {
         if (!isMarked_[cell]) cells_.push_back(cell);
         isMarked_[cell] = true;
     }
-    void widen() {
+    void widen(const Grid<Dim>& grid) {
         const std::vector<int> before = cells_;
-        for (int cell : before) forAround(grid_, cell, [&](int other, int) { add(other); });
+        for (int cell : before) forAround(grid, cell, [&](int other, int) { add(other); });
     }
     template <class F> void setInside(F&& of) {
         for (int cell : cells_) inside_[cell] = of(cell);
     }
     // Whether a cell, but for the outermost, has one beside it with another share.
     bool isEdge(int cell) const { return isMarked_[cell] == 2; }
-    void findEdges() {
+    void findEdges(const Grid<Dim>& grid) {
         for (int cell : cells_) {
             bool isWithin = true, differs = false;
-            forAround(grid_, cell, [&](int other, int) {
+            forAround(grid, cell, [&](int other, int) {
                 isWithin &= isMarked_[other] != 0;
                 differs |= inside_[other] != inside_[cell];
             });
@@ -180,30 +171,54 @@ template <int Dim> class MarkedCells {
     bool empty() const { return cells_.empty(); }
 
   private:
-    const Grid<Dim>& grid_;
     std::vector<char> isMarked_;
-    std::vector<double> inside_; // s
+    std::vector<double> inside_; // s, of marked ones
     std::vector<int> cells_, edges_;
+};
+
+// An engine whose bodies press on boxes.
+class PressingOnBoxes {
+  public:
+    virtual ~PressingOnBoxes() = default;
+    // f(number of the body of the scene, place) for the boxes that were pressed in the last step.
+    virtual void forPressed(const std::function<void(int, const Vec3&)>& f) const = 0;
+
+    // Of each body of the scene in this step, kept by the first engine of the chain that presses.
+    template <int Dim> std::vector<BoxParts<Dim>>& parts() { return std::get<Found<Dim>>(found_).parts; }
+    // Of the bodies of boxes that were pressed, by their numbers; those of others are empty.
+    template <int Dim> std::map<int, MarkedCells<Dim>>& cells() { return std::get<Found<Dim>>(found_).cells; }
+
+  private:
+    template <int Dim> struct Found {
+        std::vector<BoxParts<Dim>> parts;
+        std::map<int, MarkedCells<Dim>> cells;
+    };
+    std::tuple<Found<2>, Found<3>> found_;
 };
 
 // Where boxes reach beyond a cell that acts whole, or into one, within two cells of those that were pressed.
 // One thread.
-template <int Dim> void findBoxParts(const Scene<Dim>& scene, std::vector<BoxParts<Dim>>& parts) {
+template <int Dim> void findBoxParts(const Scene<Dim>& scene, PressingOnBoxes& found) {
     const Grid<Dim>& grid = scene.grid;
+    auto& parts = found.parts<Dim>();
+    auto& pressed = found.cells<Dim>();
     parts.resize(scene.bodies.size());
     for (auto& of : parts) of.clear();
-    std::map<int, MarkedCells<Dim>> pressed; // by the number of the body
+    for (auto& of : pressed) of.second.reset(grid);
     for (auto& engine : scene.engines)
         if (auto* pressing = dynamic_cast<PressingOnBoxes*>(engine.get()); pressing && !engine->dead)
-            pressing->forPressed([&](int soil, const Vec3& at) {
+            pressing->forPressed([&](int soil, const Vec3& where) {
                 if (!actsByCells(*scene.bodies.at(soil)) || !scene.bodies[soil]->domains->boxes()) return;
                 int number = 0;
-                for (int k = 0; k < Dim; ++k) grid.addCells(k, &at[k], 1, &number);
-                pressed.try_emplace(soil, grid).first->second.add(number);
+                for (int k = 0; k < Dim; ++k) grid.addCells(k, &where[k], 1, &number);
+                const auto [at, isNew] = pressed.try_emplace(soil);
+                if (isNew) at->second.reset(grid);
+                at->second.add(number);
             });
     for (auto& [b, cells] : pressed) {
+        if (cells.empty()) continue;
         const Body<Dim>& body = *scene.bodies[b];
-        for (int ring = 0; ring < 3; ++ring) cells.widen();
+        for (int ring = 0; ring < 3; ++ring) cells.widen(grid);
         cells.setInside([&](int cell) {
             double inside = 0;
             for (auto& other : scene.bodies)
@@ -212,7 +227,7 @@ template <int Dim> void findBoxParts(const Scene<Dim>& scene, std::vector<BoxPar
                         inside = std::max(inside, at->inside);
             return inside;
         });
-        cells.findEdges();
+        cells.findEdges(grid);
         if (cells.edges().empty()) continue;
         const auto [lowest, highest] = std::minmax_element(cells.edges().begin(), cells.edges().end());
         parts[b].find(

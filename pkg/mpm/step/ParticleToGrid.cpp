@@ -30,7 +30,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
             locateParticles(region, scene);
             if (region.failed()) return;
             locateCells(region, scene);
-            if (pressing) region.once([&] { findBoxParts(scene, pressing->template parts<Dim>()); });
+            if (pressing) region.once([&] { findBoxParts(scene, *pressing); });
             sumOnNodes(region, scene, withForce ? &cells_ : nullptr, scene.sharedCells->isWanted);
             if (pressing && withForce)
                 region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });

@@ -13,7 +13,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain, elastic
+from setups import chain, elastic, restarted
 from yade_mpm import box, rigid
 
 SIDE, PRESSURE = 0.4, 100.0  # m, kPa
@@ -62,6 +62,18 @@ def test_a_mean_stress_acts_once_where_boxes_lie_in_two_cells(dim, at):
     walls press."""
     assert forceOfPressure(dim, at, 1.0, steps=2, fbar=True) < 1e-4
     assert forceOfPressure(dim, at, 1.0, steps=1, fbar=True) > 0.05, "control"
+
+
+def test_what_was_pressed_in_the_steps_before_is_forgotten():
+    """Walls carry a block over a line of the grid; a scene that is loaded has seen no step before."""
+    scene, body, contact = squeezed(2, elastic(1e4), at=0.31, overlap=1e-3, fbar=True)
+    scene.engines, scene.dt = chain(contact), 5e-4
+    motion = np.tile([1.0, 0.0, 0.0], (4, 1))
+    body.velocity = (1.0, 0.0)
+    contact.setStates(contact.positions, contact.orientations, motion, np.zeros_like(motion))
+    scene.run(steps=200, progress=False)
+    assert body.position[:, 0].min() > 0.41 and contact.contacts > 8  # control
+    restarted(scene, 40)
 
 
 def squeeze(

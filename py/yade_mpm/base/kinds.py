@@ -40,6 +40,13 @@ class Kind:
             error = ValueError if self.of and self.of.isOne(value) else TypeError
             raise error(f"{who}: {name} = {shown(value)} is not allowed; give {self.words}")
 
+    def check(self, who, unit="", **given):
+        """ValueError, which names the unit, for one of several values, by their names, of another kind."""
+        for name, value in given.items():
+            if not self.isOne(value):
+                words = f"{self.words} ({unit})" if unit else self.words
+                raise ValueError(f"{who}: {name} = {shown(value)} is not allowed; give {words}")
+
 
 def takes(**kinds: Kind) -> Callable[[F], F]:
     """Decorator of a function that takes arguments of these kinds, each a `Kind` by the argument's name."""
@@ -73,14 +80,14 @@ def ofClass(name, words):
     return Kind(words, lambda value: isSubclass(type(value)))
 
 
-def listOf(kind, words):
-    """Kind of lists, or alike, whose entries are of a kind."""
+def listOf(kind, words, least=0):
+    """Kind of lists, or alike, of so many entries or more, which are of a kind."""
 
-    def isOne(value):
-        isList = isinstance(value, (Sequence, np.ndarray, set)) and not isinstance(value, (str, bytes))
-        return isList and all(map(kind.isOne, value))
+    def isList(value):
+        isOne = isinstance(value, (Sequence, np.ndarray, set)) and not isinstance(value, (str, bytes))
+        return isOne and all(map(kind.isOne, value))
 
-    return Kind(words, isOne)
+    return Kind(words, lambda value: isList(value) and len(value) >= least, Kind(words, isList))
 
 
 def _isNumber(value):
@@ -96,33 +103,59 @@ def _areNumbers(value):
         return False
 
 
+def _isWindow(value):
+    left, right, bottom, top = np.reshape(value, (-1, 4)).T
+    return bool(np.isfinite(value).all() and ((left < right) & (bottom < top)).all())
+
+
 SCENE = ofClass("Scene", "a Scene")
 BODY = ofClass("Body", "a Body of a scene")
 BODIES = listOf(BODY, "a list of bodies, such as scene.bodies")
+SOME_BODIES = listOf(BODY, "one body or more in a list; leave it out for all", least=1)
 _BODY_OR_NAME = Kind("", lambda value: BODY.isOne(value) or isinstance(value, str))
-BODIES_OR_NAMES = listOf(_BODY_OR_NAME, "a list of bodies, or of their names")
+BODIES_OR_NAMES = listOf(_BODY_OR_NAME, "one body or more in a list, or their names; leave it out for all", 1)
 ENGINE = ofClass("Engine", "an engine of the scene")
 MESH = ofClass("Mesh", "a Mesh")
 REGION = ofClass("Region", "a region, e.g. mpm.box(...)")
-NUMBER = Kind("a number", _isNumber)
-POSITIVE = Kind("a positive number", lambda value: _isNumber(value) and 0 < value < math.inf, NUMBER)
+_ANY = Kind("a number", _isNumber)  # also nan, which no argument may be
+NUMBER = Kind("a number", lambda value: _isNumber(value) and value == value, _ANY)
+POSITIVE = Kind("a positive number", lambda value: _isNumber(value) and 0 < value < math.inf, _ANY)
+NOT_NEGATIVE = Kind("zero or a positive number", lambda v: _isNumber(v) and 0 <= v < math.inf, _ANY)
+FINITE = Kind("a finite number", lambda value: _isNumber(value) and math.isfinite(value), _ANY)
+SHARE = Kind("a number from 0 to 1", lambda value: _isNumber(value) and 0 <= value <= 1, _ANY)
 NUMBERS = Kind("a list or an array of numbers", _areNumbers)
 WHOLE = Kind("a whole number", lambda value: hasattr(value, "__index__") and not isinstance(value, bool))
 LIST = Kind("a list", lambda v: isinstance(v, Iterable) and not isinstance(v, (str, bytes)))
-LIMITS = Kind("(low, high)", lambda value: NUMBERS.isOne(value) and np.shape(value) == (2,))
+_PAIR = Kind("", lambda value: NUMBERS.isOne(value) and np.shape(value) == (2,))
+LIMITS = Kind("(low, high), low not above high", lambda v: _PAIR.isOne(v) and v[0] <= v[1], _PAIR)
+_FOURS = Kind("", lambda value: NUMBERS.isOne(value) and np.shape(value)[-1] == 4)
 WINDOW = Kind(
-    "(left, right, bottom, top) in m, or a list of them",
-    lambda value: NUMBERS.isOne(value) and np.shape(value)[-1] == 4,
+    "(left, right, bottom, top) in m, left below right and bottom below top, or a list of them",
+    lambda value: _FOURS.isOne(value) and _isWindow(value),
+    _FOURS,
 )
 AXES = Kind("axes of matplotlib", lambda value: hasattr(value, "add_collection"))
 COUNT = Kind("a whole number from 1 on", lambda value: WHOLE.isOne(value) and value >= 1, NUMBER)
 FLAG = Kind("True or False", lambda value: isinstance(value, (bool, np.bool_)))
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 TEXTS = listOf(TEXT, "a list of texts")
-FILE = Kind("the name of a file", lambda value: isinstance(value, (str, os.PathLike)))
+_PATH = Kind("", lambda value: isinstance(value, (str, os.PathLike)))
+FILE = Kind("the name of a file", lambda value: _PATH.isOne(value) and os.fspath(value) != "", _PATH)
 FUNCTION = Kind("a function", callable)
 DICT = Kind("a dict", lambda value: isinstance(value, Mapping))
+REGIONS = Kind("a dict name -> region, of one or more", lambda v: DICT.isOne(v) and len(v) > 0, DICT)
 COLUMNS = Kind("a dict name -> numbers", lambda v: hasattr(v, "keys") and hasattr(v, "__getitem__"))
+
+
+def requireFile(who, file, wanted="the name of a file"):
+    """The name of a file that is there; FileNotFoundError, or ValueError for a folder, a pipe or a device."""
+    FILE.require(who, "file", file)
+    name = os.fspath(file)
+    if not os.path.exists(name):
+        raise FileNotFoundError(f"{who}: there is no file {shown(os.path.abspath(name))}; give {wanted}")
+    if not os.path.isfile(name):  # a pipe would wait, a device has no end
+        raise ValueError(f"{who}: {shown(name)} is no regular file; give {wanted}")
+    return name
 
 
 def columns(who, **given):

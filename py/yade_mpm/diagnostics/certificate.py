@@ -9,8 +9,7 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from ..base.kinds import COLUMNS, DICT, NUMBER, POSITIVE, columns, takes
-from ..base.wording import shown
+from ..base.kinds import COLUMNS, DICT, NOT_NEGATIVE, NUMBER, POSITIVE, columns, takes
 
 START_UP = (
     0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
@@ -156,7 +155,7 @@ class Certificate:
         return f"{_meaning[name].format(_percent(value))} (limit {_percent(self.limits[name])})"
 
 
-@takes(history=COLUMNS, after=NUMBER, rateSensitivity=NUMBER, limits=DICT)
+@takes(history=COLUMNS, after=NUMBER, rateSensitivity=NOT_NEGATIVE, limits=DICT)
 def quasiStatic(
     history: Mapping,
     after: float | None = None,
@@ -200,11 +199,6 @@ def quasiStatic(
     if not rows.any():
         raise ValueError(
             f"quasiStatic: the history has no rows from after = {after:g} s on, it ends at {t[-1]:g} s"
-        )
-    if rateSensitivity is not None and not rateSensitivity >= 0:
-        raise ValueError(
-            f"quasiStatic: rateSensitivity = {shown(rateSensitivity)} is not allowed; give zero or a "
-            "positive number"
         )
     needed = columns("quasiStatic", **{name: _column(history, name) for name in NEEDED})
     kinetic, damped, error, work, unbalanced = (column[rows] for column in needed[1:])

@@ -5,9 +5,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ..base.kinds import BODIES, BODY, NUMBER, NUMBERS, SCENE, takes
-from ..base.wording import shown
-from ..geometry.numbers import isNumber
+from ..base.kinds import BODIES, BODY, FINITE, NUMBER, NUMBERS, POSITIVE, SCENE, takes
 
 
 @takes(bodies=BODIES)
@@ -23,11 +21,7 @@ def meanStressAlong(bodies, x, width, lower, upper):
 
     Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
     """
-    for name, value in (("x", x), ("width", width), ("lower", lower), ("upper", upper)):
-        if not (isNumber(value) and np.isfinite(value)):
-            raise ValueError(
-                f"meanStressAlong: {name} = {shown(value)} is not allowed; give metres, a finite number"
-            )
+    FINITE.check("meanStressAlong", "m", x=x, width=width, lower=lower, upper=upper)
     rows = [body._core.meanStresses(x, width / 2, lower, upper) for body in bodies]
     pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
     y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
@@ -88,16 +82,12 @@ def sectionForce(body, height, thickness=None):
 
     Raises ValueError for a thickness that is not positive.
     """
-    if not (isNumber(height) and np.isfinite(height)):
-        raise ValueError(f"sectionForce: height = {shown(height)} is not allowed; give metres")
+    FINITE.check("sectionForce", "m", height=height)
     if thickness is None:
         middle = (*(0.5 * (body.scene.lower + body.scene.upper))[:-1], height)
         thickness = body.scene.cellSizeAt([middle])[0, -1]
+    POSITIVE.check("sectionForce", "m", thickness=thickness)
     h = float(thickness)
-    if not h > 0:
-        raise ValueError(
-            f"sectionForce: thickness = {shown(thickness)} m is not allowed; give a positive number"
-        )
     if not body.count:
         return 0.0
     bottom, top = _verticalExtent(body)

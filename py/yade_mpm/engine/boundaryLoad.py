@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.kinds import FLAG
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..geometry.contained import insideBoxes, insideCells
@@ -172,10 +173,7 @@ def _checkArguments(body, where, loadsBonded, attributes):
         raise TypeError(f"BoundaryLoad: body = {shown(body)}; give a body, as scene.add returns it")
     if not (where is None or isinstance(where, Region)):
         raise TypeError(f"BoundaryLoad: where = {shown(where)}; give a region, e.g. box((0, 2), (1, 3))")
-    if not isinstance(loadsBonded, (bool, np.bool_)):
-        raise ValueError(
-            f"BoundaryLoad: loadsBonded = {shown(loadsBonded)} is not allowed; give True or False"
-        )
+    FLAG.check("BoundaryLoad", loadsBonded=loadsBonded)
     for name in ("pressure", "traction"):
         if callable(attributes.get(name)):
             raise TypeError(

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..base.wording import shown
+from ..geometry.numbers import isNumber
 from .engine import generated
 from .records import column, tableOf
 
@@ -43,7 +44,7 @@ class Contact(generated["Contact"]):
         adhesion : kPa; default 0.
         """
         for name, value in (("friction", friction), ("adhesion", adhesion)):
-            if not (isinstance(value, (int, float, np.number)) and value >= 0):
+            if not (isNumber(value) and value >= 0):
                 raise ValueError(
                     f"Contact: {name} = {shown(value)} between '{first}' and '{second}'; give zero or a "
                     "positive number"

@@ -12,9 +12,9 @@ from .. import _core
 from ..base.attributes import Guarded, keep
 from ..base.html import card, table
 from ..base.keywords import checked
-from ..base.kinds import LIST, NUMBER, takes
+from ..base.kinds import LIST, NOT_NEGATIVE, NUMBER, takes
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
+from ..geometry.numbers import floats, isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
 from ..particle.part import BodyPart
@@ -51,10 +51,7 @@ class Prescribed(Guarded):
         self._velocity = _velocity(type(self).__name__, velocity)
         if not isinstance(name, str):
             raise TypeError(f"{type(self).__name__}: name = {shown(name)}; give a string")
-        if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
-            raise ValueError(
-                f"{type(self).__name__}: ramp = {shown(ramp)} is not allowed; give zero or a positive time, s"
-            )
+        NOT_NEGATIVE.check(type(self).__name__, "s", ramp=ramp)
         self._core.name, self._core.velocity, self._core.ramp = name, self._velocity, float(ramp)
 
     def _bind(self, scene):
@@ -308,6 +305,7 @@ class MotionTable(Callback):
     def __init__(self, motion: str, table: list, label: str = "") -> None:
         super().__init__(iterPeriod=1, label=label)
         LIST.require("MotionTable", "table", table)
+        table = list(table)
         self._motion = motion
         inSpace = all(np.shape(np.array(row, object)) == (4,) for row in table)
         self._rows = velocityRows("MotionTable", table, None, 3 if inSpace else 2)
@@ -379,7 +377,7 @@ def isTable(velocity):
 
 def velocityRows(who, velocity, times, dim):
     """Rows (time, velocity along each axis) of a table, or of a function at some times; nan on free axes."""
-    rows = [(t, *velocity(t)) for t in times] if callable(velocity) else velocity
+    rows = [(t, *velocity(t)) for t in floats(times)] if callable(velocity) else velocity
     if not len(rows) or any(np.shape(np.array(row, object)) != (1 + dim,) for row in rows):
         return timeRows(who, "velocity", rows, dim, None)  # which says what is wrong
     isFree = np.array([[v is None for v in row] for row in rows]).all(axis=0)

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..base.kinds import NUMBER, Kind, listOf, takes
 from ..base.wording import shown
-from ..geometry.numbers import floats
+from ..geometry.numbers import floats, isNumber
 from ..rigid.shapes import HeightField, shapeRow
 from .engine import generated
 from .records import column, withRows
@@ -101,7 +101,7 @@ too."""
         impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
         fields = [shape for shape in shapes if isinstance(shape, HeightField)]
         rows = [shapeRow(number, shape) for shape in shapes if not isinstance(shape, HeightField)]
-        if not (isinstance(mass, (int, float, np.number)) and 0 <= mass < np.inf):
+        if not (isNumber(mass) and 0 <= mass < np.inf):
             raise ValueError(
                 f"RigidContact: mass = {shown(mass)} is not allowed; give Mg, or zero for a body that does "
                 "not yield"

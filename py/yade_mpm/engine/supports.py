@@ -9,8 +9,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.kinds import POSITIVE
 from ..base.wording import shown
-from ..geometry.numbers import placeText
+from ..geometry.numbers import floats, placeText
 from ..particle.body import Body
 from .engine import generated
 
@@ -102,7 +103,7 @@ def Anchor(
         parts.
     soil : Body that it is in.
     stiffness : kN/m, of the free length: E A / length, 2D: over the spacing.
-    prestress : kN; default 0.
+    prestress : kN, force at which it begins, less where the wall gives way to it; default 0.
     limit : kN, force at which it is pulled out or yields; default: none.
     options : as of `Spring`.
     """
@@ -188,9 +189,10 @@ in the strip at the time."""
         if body is None:  # from a checkpoint
             return
         bodies = list(body) if isinstance(body, (tuple, list)) else [body]
-        for one in bodies:
-            if not isinstance(one, Body):
-                raise TypeError(f"SurfaceLoad: body = {shown(one)}; give a body, as scene.add returns it")
+        if not bodies or not all(isinstance(one, Body) for one in bodies):
+            raise TypeError(
+                f"SurfaceLoad: body = {shown(body)}; give a body, as scene.add returns it, or several"
+            )
         if not {"pressure", "traction"} - set(attributes):
             raise ValueError(
                 "SurfaceLoad: pressure and traction are given; give one of the two, for a traction may have "
@@ -201,7 +203,7 @@ in the strip at the time."""
         if len(numbers) < len(bodies):
             raise ValueError("SurfaceLoad: the bodies are in different scenes; give those of one")
         try:
-            corners = np.reshape(np.asarray(where, float), (2, scene.dim - 1))
+            corners = np.reshape(floats(where), (2, scene.dim - 1))
         except (TypeError, ValueError):
             corners = np.full((2, 1), np.nan)
         if not (np.isfinite(corners).all() and (corners[0] < corners[1]).all()):
@@ -219,9 +221,10 @@ def timeRows(who, name, given, width, times):
         raise ValueError(f"{who}: {name} is a function; give times=..., s, for its table in checkpoints")
     try:
         if callable(given):
-            rows = np.column_stack((times, [np.reshape(given(t), width) for t in np.asarray(times, float)]))
+            times = floats(times)
+            rows = np.column_stack((times, [np.reshape(given(t), width) for t in times]))
         else:
-            rows = np.asarray(given, float)
+            rows = floats(given)
     except (TypeError, ValueError):
         rows = np.zeros(0)
     rows = np.concatenate(([0.0], rows))[None] if rows.shape == (width,) else rows
@@ -240,7 +243,7 @@ def timeRows(who, name, given, width, times):
 
 def _point(who, name, given, dim):
     try:
-        point = np.asarray(given, float)
+        point = floats(given)
     except (TypeError, ValueError):
         point = np.zeros(0)
     if point.shape != (dim,) or not np.isfinite(point).all():
@@ -254,8 +257,8 @@ def _attach(engine, who, body, at, width, other=False):
         raise TypeError(f"{who}: body = {shown(body)}; give a body, as scene.add returns it")
     scene = body.scene
     at = np.array(_point(who, "at", at, scene.dim))
-    if width is not None and not (isinstance(width, (int, float)) and 0 < width < np.inf):
-        raise ValueError(f"{who}: width = {shown(width)} is not allowed; give a positive length in m")
+    if width is not None:
+        POSITIVE.check(who, "m", width=width)
     cell = scene.cellSizeAt([at])[0]
     d = (body.position - at) / cell
     away = np.abs(d).max(axis=1)

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base.wording import shown
-from .numbers import formatNumber, formatPoint
+from .numbers import floats, formatNumber, formatPoint
 from .outline import outlineFacets
 from .terrain import Layer
 
@@ -139,8 +139,15 @@ def requireRoom(who, count, each, what):
 
 def asSpacing(spacing, dim, name):
     """Spacing as (dim,) array; raises ValueError unless it is one or dim positive numbers."""
-    array = np.asarray(spacing, float)
-    if array.shape not in ((), (dim,)) or not np.all((array > 0) & np.isfinite(array)):
+    try:
+        array = floats(spacing)
+    except (TypeError, ValueError):
+        array = np.zeros(0)
+    if (
+        isinstance(spacing, bool)
+        or array.shape not in ((), (dim,))
+        or not np.all((array > 0) & np.isfinite(array))
+    ):
         raise ValueError(
             f"body '{name}': spacing = {shown(spacing)} must be one positive number or {dim} of them"
         )

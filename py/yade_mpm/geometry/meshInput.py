@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from ..base.kinds import FILE, Kind, takes
+from ..base.kinds import FILE, Kind, requireFile, takes
 from .mesh import Mesh, cellVolumes, cornerJacobians
 from .meshChecks import checkIndices, checkMesh
 from .meshReader import readMesh
@@ -112,13 +112,7 @@ def _readFile(path, name):
         raise ImportError(
             f"mesh '{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
         )
-    path = os.fsdecode(path)
-    if not os.path.exists(path):
-        raise FileNotFoundError(
-            f"mesh '{name}': there is no mesh file '{os.path.abspath(path)}'; give the name of a mesh file"
-        )
-    if not os.path.isfile(path):  # a pipe would wait, a device has no end
-        raise ValueError(f"mesh '{name}': {path} is no regular file; give the name of a mesh file")
+    path = requireFile(f"mesh '{name}'", os.fsdecode(path), "the name of a mesh file")
     try:
         return readMesh(path)
     except RuntimeError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.kinds import DICT, NUMBER, POSITIVE, Kind, takes
+from ..base.kinds import NUMBER, POSITIVE, REGIONS, Kind, takes
 from ..base.wording import shown
 from .mesh import Mesh
 from .meshInput import meshFromArrays
@@ -25,7 +25,7 @@ OPTIONS = {
 }
 
 
-@takes(regions=DICT, size=POSITIVE, start=NUMBER, end=NUMBER, axis=AXIS)
+@takes(regions=REGIONS, size=POSITIVE, start=NUMBER, end=NUMBER, axis=AXIS)
 def meshesFromRegions(
     regions: dict, size: float, start: float | None = None, end: float | None = None, axis: str = "z"
 ) -> dict[str, Mesh]:
@@ -150,8 +150,11 @@ def _gmsh():
     try:
         import gmsh
     except (ImportError, OSError):  # OSError: a library of the system that it takes is missing
+        gmsh = None
+    if gmsh is None or not hasattr(gmsh.lib, "gmshInitialize"):  # Gmsh's module without Gmsh itself
+        missing = "gmsh, which is not" if gmsh is None else "the library of gmsh, and only its module is"
         raise ImportError(
-            "meshesFromRegions takes gmsh, which is not installed; install it (Debian: python3-gmsh, else "
+            f"meshesFromRegions takes {missing} installed; install it (Debian: python3-gmsh, else "
             "pip install gmsh), or read a mesh by meshesFromFile"
         ) from None
     return gmsh

@@ -10,7 +10,7 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.kinds import FILE, takes
+from ..base.kinds import FILE, requireFile, takes
 from ..base.wording import shown
 from .meshReader import readPoints
 from .numbers import formatNumber, numbers, placeText
@@ -118,10 +118,7 @@ def particlesFromFile(file: str | os.PathLike) -> ParticleSet:
     ending = os.path.splitext(name)[1].lower()
     if ending not in (".csv", ".vtu"):
         raise ValueError(f"{who} is neither CSV nor VTU; give one of these")
-    if not os.path.exists(name):
-        raise FileNotFoundError(f"{who} is not there; give the name of a file")
-    if not os.path.isfile(name):
-        raise ValueError(f"{who} is no regular file; give the name of a file")
+    requireFile("particlesFromFile", file)
     return ParticleSet(*(_fromCSV if ending == ".csv" else _fromVTU)(name, who), who)
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import os
 
-from ..base.kinds import FILE, POSITIVE, takes
+from ..base.kinds import FILE, POSITIVE, requireFile, takes
 from ..base.wording import shown
 from .region import Region
 from .regions import polygon
@@ -57,7 +57,7 @@ def _distinct(ring):
 
 def _features(file):
     """(name, rings) of each polygon of a GeoJSON file, the outer ring first."""
-    with open(file, encoding="utf-8") as opened:
+    with open(requireFile("polygonsFromFile", file), encoding="utf-8") as opened:
         try:
             top = json.load(opened)
         except ValueError as error:
@@ -82,7 +82,7 @@ def _polylines(file, sag):
             "or give GeoJSON"
         ) from None
     try:
-        drawing = ezdxf.readfile(file)
+        drawing = ezdxf.readfile(requireFile("polygonsFromFile", file))
     except ezdxf.DXFError as error:
         raise ValueError(f"polygonsFromFile: {shown(file)} is no DXF: {error}") from None
     for entity in drawing.modelspace().query("LWPOLYLINE POLYLINE"):

@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 
+from ..base.kinds import requireFile
 from ..base.wording import shown
 from .meshReader import readMesh
 
@@ -14,9 +15,7 @@ def readTriangles(who, file, unit=1.0):
 
     unit: m, length of one unit of the file. Raises FileNotFoundError, or ValueError for other contents.
     """
-    name = shown(os.fspath(file))
-    if not os.path.isfile(file):
-        raise FileNotFoundError(f"{who}: there is no file {name}; give the name of an STL or OBJ file")
+    name = shown(requireFile(who, file, "the name of an STL or OBJ file"))
     try:
         isObj = os.fspath(file).lower().endswith(".obj")
         points, cells = _readObj(file) if isObj else readMesh(file)[:2]

@@ -5,7 +5,7 @@ import csv
 import re
 from math import radians
 
-from ..base.kinds import FILE, REGION, SCENE, Kind, takes
+from ..base.kinds import FILE, REGION, SCENE, Kind, requireFile, takes
 from ..base.wording import didYouMean, shown
 from ..geometry.numbers import isNumber
 from ..geometry.regions import box
@@ -72,7 +72,7 @@ def _rows(log):
     if isinstance(log, (list, tuple)):
         given = log
     else:
-        with open(log, newline="") as file:
+        with open(requireFile("addLayers", log), newline="") as file:
             given = [_numbers(row) for row in csv.DictReader(file, skipinitialspace=True)]
     if not (given and all(isinstance(row, dict) for row in given)):
         raise ValueError(f"addLayers: log = {shown(log)} has no layer; give a CSV file, or dicts")

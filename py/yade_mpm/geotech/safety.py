@@ -136,7 +136,7 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True, jobs=1):
         while fails is None:
             low, fails = search.narrow(low, [*_between(low, high, jobs), high])
             high *= 2
-        while fails - low > within:
+        while fails - low > max(within, 2 * np.spacing(fails)):
             low, fails = search.narrow(low, _between(low, fails, jobs + 1), fails)
     return Safety(search.trials, search.height, search.failed)
 

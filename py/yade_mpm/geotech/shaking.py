@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from ..base.kinds import FILE, NUMBER, NUMBERS, POSITIVE, columns, takes
+from ..base.kinds import FILE, NUMBER, NUMBERS, POSITIVE, columns, requireFile, takes
 from ..base.wording import shown
 
 G = 9.81  # m/s2
@@ -50,7 +50,7 @@ def readRecord(file, factor=1.0):
 
     Returns a `Record`. Raises ValueError for a file that holds something else.
     """
-    with open(file) as opened:
+    with open(requireFile("readRecord", file)) as opened:
         lines = opened.read().splitlines()
     time, acceleration = (_at2 if str(file).lower().endswith(".at2") else _table)(file, lines)
     if len(time) < 2 or not (np.isfinite(time).all() and np.isfinite(acceleration).all()):

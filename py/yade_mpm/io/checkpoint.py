@@ -21,6 +21,7 @@ import h5py
 import numpy as np
 
 from .. import __version__
+from ..base.kinds import requireFile
 from .files import checkWritable, writeWhole
 
 FORMAT, VERSION = "yade-mpm checkpoint", 3
@@ -116,10 +117,7 @@ def _damaged(file, error):
 
 def _checkSeal(file):
     """Refuses a file whose bytes are not those that were written, before HDF5 sees them."""
-    if not os.path.isfile(file):
-        raise FileNotFoundError(
-            f"load: checkpoint '{file}' does not exist; give the name of a checkpoint (.h5) of a run"
-        )
+    requireFile("load", file, "the name of a checkpoint (.h5) of a run")
     if not h5py.is_hdf5(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
     total = hashlib.sha256()

@@ -31,6 +31,8 @@ class Columns(dict):
             raise TypeError(
                 f"History: column '{name}' = {shown(column)}; give a function of the scene{orText}"
             )
+        if not all(isinstance(one, str) and one for one in namesOf(name)):
+            raise TypeError(f"History: the name {shown(name)} of a column is no text; give a text")
         if any(mark in str(one) for one in namesOf(name) for mark in ',"\n'):
             raise ValueError(
                 f"History: the name of column {shown(name)} may hold no comma, quote or line end"

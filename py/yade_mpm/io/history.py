@@ -15,7 +15,7 @@ import numpy as np
 from .. import diagnostics
 from ..base.html import card, paragraph, table
 from ..base.keywords import checked
-from ..base.kinds import WHOLE, takes
+from ..base.kinds import DICT, FILE, WHOLE, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..engine.callback import Callback, checkPeriod
@@ -71,6 +71,7 @@ class History(Callback):
     """
 
     @checked("History", research=("average",))
+    @takes(file=FILE, columns=DICT)
     def __init__(
         self,
         period: float = 0.0,

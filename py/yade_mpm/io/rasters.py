@@ -8,7 +8,7 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.kinds import FILE, NUMBERS, POSITIVE, takes
+from ..base.kinds import FILE, NUMBERS, POSITIVE, requireFile, takes
 from ..base.wording import shown
 from ..geometry.terrain import Terrain
 from ..geometry.triangleFiles import readTriangles
@@ -125,7 +125,7 @@ def _rasterio(who):
 def _readTiff(file):
     rasterio = _rasterio("readTerrain")
     try:
-        with rasterio.open(file) as opened:
+        with rasterio.open(requireFile("readTerrain", file)) as opened:
             place, rows = opened.transform, opened.read(1, masked=True).filled(np.nan) * 1.0
             reference = None if opened.crs is None else opened.crs.to_wkt()
     except rasterio.errors.RasterioError as error:
@@ -138,9 +138,9 @@ def _readTiff(file):
 
 
 def _readAscii(file):
-    head = {}
+    head, name = {}, requireFile("readTerrain", file)
     try:
-        with open(file) as opened:
+        with open(name) as opened:
             lines = opened.read().splitlines()
         while lines and lines[0].split() and not _isNumber(lines[0].split()[0]):
             name, value = lines.pop(0).split()

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 import h5py
 
 from ..base.keywords import checked
-from ..base.kinds import FILE, takes
+from ..base.kinds import BODIES_OR_NAMES, FILE, TEXTS, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..engine.callback import Callback, checkPeriod
@@ -81,6 +81,7 @@ class Recorder(Callback):
     """
 
     @checked("Recorder", research=("compress",))
+    @takes(file=FILE, fields=TEXTS, bodies=BODIES_OR_NAMES)
     def __init__(
         self,
         file: str | os.PathLike,

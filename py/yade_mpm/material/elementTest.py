@@ -11,8 +11,9 @@ laboratory.
 import numpy as np
 import scipy.optimize
 
+from ..base.kinds import NOT_NEGATIVE
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
+from ..geometry.numbers import floats, isCount
 from .materials import MaterialPoint
 
 HELD = 1e-9  # relative to the largest stress: what a stress that is held may miss
@@ -119,14 +120,16 @@ def simpleShear(material, pressure, strain, drained=True, steps=400, state=None)
 
 
 def _point(test, material, pressure, state):
-    if not (isNumber(pressure) and pressure >= 0):
-        raise ValueError(f"{test}: pressure = {shown(pressure)}; give zero or a positive number, kPa")
+    NOT_NEGATIVE.check(test, "kPa", pressure=pressure)
     return MaterialPoint(material, -float(pressure) * np.eye(3), state)
 
 
 def _follow(curve, strain, steps, take, measure):
-    path, at = np.atleast_1d(np.asarray(strain, dtype=float)), 0.0
-    if not (np.isfinite(path).all() and isinstance(steps, (int, np.integer)) and steps > 0):
+    try:
+        path, at = np.atleast_1d(floats(strain)), 0.0
+    except (TypeError, ValueError):
+        path = np.zeros(0)
+    if not (len(path) and np.isfinite(path).all() and isCount(steps)):
         raise ValueError(
             f"{curve.name}: strain = {shown(strain)}, steps = {shown(steps)}; give numbers and a whole number"
         )

@@ -129,6 +129,11 @@ class RandomField:
         for what, value, least in (("seed", seed, 0), ("modes", modes, 1)):
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
                 raise ValueError(f"RandomField: {what} = {shown(value)}; give a whole number from {least} on")
+        for what, value in (("mean", mean), ("deviation", deviation)):
+            if not (isNumber(value) or callable(value)):
+                raise TypeError(
+                    f"RandomField: {what} = {shown(value)}; give a number, or a function of positions"
+                )
         self.mean, self.deviation, self.lognormal = mean, deviation, lognormal
         self.seed, self.modes = seed, modes
         if isNumber(mean) and isNumber(deviation):  # functions are asked where there are particles

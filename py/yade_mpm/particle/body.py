@@ -13,7 +13,7 @@ from ..base.attributes import Guarded
 from ..base.deprecation import currentName
 from ..base.html import card, table
 from ..base.keywords import checked
-from ..base.kinds import FILE, TEXT, TEXTS, takes
+from ..base.kinds import FILE, POSITIVE, TEXT, TEXTS, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
@@ -183,8 +183,7 @@ class Body(BodyShape, Guarded):
 
     @inertiaScale.setter
     def inertiaScale(self, value):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise ValueError(f"body '{self.name}': inertiaScale = {shown(value)}; give a positive number")
+        POSITIVE.check(f"body '{self.name}'", inertiaScale=value)
         self._core.inertiaScale = float(value)
 
     @property

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base.kinds import BODY, NUMBERS, takes
 from ..base.wording import shown
+from ..geometry.numbers import isNumber
 
 
 class BodyPart:
@@ -22,7 +23,7 @@ class BodyPart:
     @takes(body=BODY, ids=NUMBERS)
     def __init__(self, body, lower=None, upper=None, ids=None):
         for height in (lower, upper):
-            if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):
+            if not (height is None or isNumber(height) and np.isfinite(height)):
                 raise ValueError(
                     f"body '{body.name}': a part above or below {shown(height)}; give a height in m"
                 )

@@ -9,10 +9,8 @@ from collections.abc import Mapping, Sequence
 import h5py
 import numpy as np
 
-from ..base.kinds import FILE, LIMITS, NUMBER, takes
+from ..base.kinds import FILE, FINITE, LIMITS, NUMBER, requireFile, takes
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
-from ..io.files import requireRegular
 from . import resultsFile
 
 
@@ -31,13 +29,7 @@ class Results(Sequence):
 
     @takes(file=FILE)
     def __init__(self, file):
-        self.file = os.fspath(file)
-        if not os.path.exists(self.file):
-            raise FileNotFoundError(
-                f"read: there is no file '{os.path.abspath(self.file)}'; give the name of the .vtkhdf "
-                "file of a run"
-            )
-        requireRegular("read", self.file)
+        self.file = requireFile("read", file, "the name of the .vtkhdf file of a run")
         names = self._asked(resultsFile.names) if h5py.is_hdf5(self.file) else None
         if names is None:
             raise ValueError(
@@ -110,8 +102,7 @@ class Results(Sequence):
         ----------
         time : s.
         """
-        if not (isNumber(time) and np.isfinite(time)):
-            raise ValueError(f"Results: time = {shown(time)} is not allowed; give seconds")
+        FINITE.check("Results", "s", time=time)
         return self[int(np.argmin(np.abs(self.times - time)))]
 
     @takes(file=FILE, limits=LIMITS, fps=NUMBER)

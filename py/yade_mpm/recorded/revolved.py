@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
+from ..geometry.numbers import isCount, isNumber
 from ..io.files import checkWritable, writeWhole
 from ..io.frame import COMPONENTS, HEXAHEDRON, memberName
 from ..io.vtkhdf import appendFrame, createLayout
@@ -22,7 +22,7 @@ def write(results, file, angle, pieces):
     """See `Results.revolve`."""
     if not (isNumber(angle) and 0 < angle <= 2 * np.pi):
         raise ValueError(f"revolve: angle = {shown(angle)} is not allowed; give radians, above 0 to 2 pi")
-    if not (isNumber(pieces) and pieces == int(pieces) and pieces >= 1):
+    if not isCount(pieces):
         raise ValueError(f"revolve: pieces = {shown(pieces)} is not allowed; give a whole number, 1 or more")
     file = os.fspath(file)
     if os.path.abspath(file) == os.path.abspath(results.file):

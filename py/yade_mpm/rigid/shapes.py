@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base.kinds import FILE, NUMBER, POSITIVE, takes
+from ..base.kinds import FILE, NOT_NEGATIVE, NUMBER, POSITIVE, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.terrain import Terrain
@@ -117,11 +117,7 @@ class Facet(Shape):
         )
         if not size > 0:
             raise ValueError(f"Facet: vertices = {shown(self.vertices)} coincide or lie on a line; move one")
-        if not (isinstance(self.thickness, (int, float, np.number)) and 0 <= self.thickness < np.inf):
-            raise ValueError(
-                f"Facet: thickness = {shown(self.thickness)} is not allowed; give zero or a positive "
-                "number in m"
-            )
+        NOT_NEGATIVE.check("Facet", "m", thickness=self.thickness)
         return {
             "kind": "Capsule" if len(points) == 2 else "Triangle",
             "vertices": np.concatenate([*points, *[np.zeros(3)] * (3 - len(points))]),
@@ -217,8 +213,5 @@ def _point(shape, name, value, missing=0.0):
 
 def _positive(shape, name):
     value = getattr(shape, name)
-    if not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
-        raise ValueError(
-            f"{type(shape).__name__}: {name} = {shown(value)} is not allowed; give a positive number in m"
-        )
+    POSITIVE.check(type(shape).__name__, "m", **{name: value})
     return float(value)

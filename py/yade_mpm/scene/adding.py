@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.kinds import FLAG
 from ..base.wording import shown
 from ..check import limits
 from ..engine.poreWater import PoreWater
@@ -143,6 +144,7 @@ def add(
             )
 
         return addHybrid(scene, name, region, flow, part)
+    FLAG.require(f"body {shown(name)}", "undrained", undrained)
     chosen = {}
     if particles is None and isinstance(material, Material):
         particles, chosen["particles"] = choices.particlesFor(scene, region, material)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.attributes import didYouMean
+from ..base.kinds import FLAG, NOT_NEGATIVE, NUMBERS, POSITIVE, TEXT, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..diagnostics.certificate import Certificate
@@ -18,13 +18,14 @@ from ..diagnostics.certificate import quasiStatic as certificateOf
 from ..diagnostics.drainage import drainage
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.callback import PyRunner
-from ..engine.prescribed import FACES, Drive, Hold, MotionTable, Steering, isTable, velocityRows, withFreeAxes
+from ..engine.prescribed import Drive, Hold, MotionTable, Steering, isTable, velocityRows, withFreeAxes
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..io.history import History
 from ..io.recorder import Recorder
 from ..particle.body import Body
 from ..particle.part import BodyPart
+from .nodes import requireSides
 from .running import refuseDuringStep
 
 SUMMED = ("dampedEnergy", "energyError", "implicitEnergy", "workDone")  # columns that count since the start
@@ -69,16 +70,8 @@ def _addSides(scene, call, sides):
     refuseDuringStep(scene, call)
     solver = scene._gridSolver(call)
     mine, other = (solver.fixed, solver.roller) if call == "fix" else (solver.roller, solver.fixed)
-    example = "scene.fix('bottom')" if call == "fix" else "scene.roller('left', 'right')"
-    if not sides or not all(isinstance(side, str) for side in sides):
-        raise TypeError(f"{call}: sides = {shown(sides)}; give names, e.g. {example}")
+    requireSides(scene, call, sides)
     for side in sides:
-        if side not in FACES[scene.dim]:
-            names = ", ".join(FACES[scene.dim])
-            raise ValueError(
-                f"{call}: there is no side {shown(side)}; sides are "
-                f"{names}{didYouMean(side, FACES[scene.dim])}"
-            )
         pair = {"right": "left", "back": "front"}.get(side, side)  # tied sides are named by the lower one
         for kind, label in (("viscous", f"viscous {side}"), ("tied", f"tied {pair}")):
             if any(engine.label == label for engine in scene.engines):
@@ -93,6 +86,7 @@ def _addSides(scene, call, sides):
     scene.stepper.noteChange()
 
 
+@takes(ramp=NOT_NEGATIVE, name=TEXT, byHeight=FLAG, times=NUMBERS)
 def drive(
     scene,
     what: Body | BodyPart | Region | str,
@@ -138,6 +132,9 @@ def drive(
             f"drive: what = {shown(what)}; give a body, a part of one, e.g. pile.above(12), a region, or a "
             "side"
         )
+    if isinstance(what, str):
+        isBody = any(what == body.name for body in scene.bodies)
+        requireSides(scene, "drive", [what], f"; give scene[{what!r}] for the body" if isBody else "")
     rows = _velocityRows(scene, velocity, times, ramp)
     function = velocity if callable(velocity) and rows is None else None
     velocity = velocity if function is None else function(scene.time)
@@ -148,6 +145,8 @@ def drive(
             f"drive: velocity = {shown(velocity)} is not allowed; give {scene.dim} components, m/s (None "
             "leaves one free)"
         )
+    if all(v is None for v in velocity):
+        raise ValueError(f"drive: velocity = {shown(velocity)} leaves all axes free; give one a number, m/s")
     if isinstance(what, (str, Region)):
         motion = Hold(what, velocity, ramp, name)
         solver.holds.append(motion)
@@ -264,8 +263,8 @@ def record(
     Returns the `Recorder`.
     """
     refuseDuringStep(scene, "record")
-    recorder = Recorder(file, period=_positive("record", every), fields=fields, bodies=bodies)
-    return _append(scene, recorder)
+    POSITIVE.check("record", "s", every=every)
+    return _append(scene, Recorder(file, period=every, fields=fields, bodies=bodies))
 
 
 def history(
@@ -285,13 +284,8 @@ def history(
     Returns the `History`.
     """
     refuseDuringStep(scene, "history")
-    return _append(scene, History(period=_positive("history", every), file=file, columns=columns))
-
-
-def _positive(call, every):
-    if not (isNumber(every) and 0 < every < np.inf):
-        raise ValueError(f"{call}: every = {shown(every)} is not allowed; give a positive time in s")
-    return every
+    POSITIVE.check("history", "s", every=every)
+    return _append(scene, History(period=every, file=file, columns=columns))
 
 
 def _append(scene, engine):

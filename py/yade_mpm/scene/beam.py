@@ -6,9 +6,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.kinds import POSITIVE
 from ..base.wording import shown
 from ..geometry.mesh import Mesh
-from ..geometry.numbers import isNumber, numbers, placeText
+from ..geometry.numbers import numbers, placeText
 from ..geometry.regions import polygon
 from ..material.materials import classes as materials
 from ..particle.types import classes as types
@@ -64,8 +65,7 @@ class Beam:
         given = dict(EI=EI, EA=EA, weight=weight, thickness=thickness)
         optional = dict(GA=GA, limitMoment=limitMoment, size=size)
         for name, value in {**given, **{k: v for k, v in optional.items() if v is not None}}.items():
-            if not (isNumber(value) and 0 < value < np.inf):
-                raise ValueError(f"Beam: {name} = {shown(value)} is not allowed; give a positive number")
+            POSITIVE.check("Beam", **{name: value})
         self.weight, self.thickness, self.size = float(weight), float(thickness), size
         self._section = {k: v for k, v in dict(EI=EI, EA=EA, GA=GA, limitMoment=limitMoment).items() if v}
 

@@ -14,7 +14,7 @@ LEAST_SHARE = 0.05  # of a whole box, below which a box is left out
 def bodiesBelow(scene, name, on):
     """Bodies that a fill is put on: those given, or none."""
     bodies = [on] if isinstance(on, Body) else list(on) if isinstance(on, (tuple, list)) else [on]
-    for body in bodies:
+    for body in bodies or [on]:
         if not (isinstance(body, Body) and body.scene is scene):
             raise TypeError(
                 f"body '{name}': on = {shown(body)}; give bodies of this scene, which it is filled onto"

@@ -18,6 +18,7 @@ from ..io import checkpoint
 from ..material.materials import Material
 from ..particle.types import Boxes, MeshedType
 from .convertingToMesh import dropBoxes
+from .nodes import requireSides
 from .permissions import Permissions
 from .removing import dropDomains
 from .restoringBodies import buildBodies
@@ -56,7 +57,8 @@ def freeField(scene, *sides: str, until: float | None = None, behind: Material |
         raise ValueError(
             "freeField: the scene is not in plane strain; give scene.tie('left', 'right') or scene.viscous"
         )
-    if not sides or not set(sides) <= {"left", "right"} or len(set(sides)) < len(sides):
+    requireSides(scene, "freeField", sides)
+    if not set(sides) <= {"left", "right"} or len(set(sides)) < len(sides):
         raise ValueError(f"freeField: sides = {shown(sides)} is not allowed; give 'left', 'right' or both")
     refuseTaken(scene, "freeField", sides)
     base = next((e for e in scene.engines if e.label == BASE), None)

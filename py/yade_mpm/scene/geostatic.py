@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
-from ..base.kinds import LIST, TEXT, Kind, takes
+from ..base.kinds import FINITE, LIST, NOT_NEGATIVE, POSITIVE, TEXT, Kind, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..engine.gridSolver import GridSolver
@@ -85,9 +85,15 @@ def initialStress(
     """
     scene._refuseWhileRunning("initialStress")
     gravity = weightOf(scene) if gravity is None else gravity
-    for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
-        _checkNumber(name, value)
-    for body in [bodies] if isinstance(bodies, str) else bodies or ():
+    FINITE.check("initialStress", "m", surface=surface)
+    NOT_NEGATIVE.check("initialStress", K0=K0)
+    weighed = {} if unitWeight is None else {"unitWeight": unitWeight}
+    POSITIVE.check("initialStress", gravity=gravity, **weighed)
+    if bodies is not None:
+        bodies = [bodies] if isinstance(bodies, str) else list(bodies)
+        if not bodies:
+            raise ValueError("initialStress: bodies is empty; give one or more, or leave it out for all")
+    for body in bodies or ():
         if not isinstance(body, Body):
             instead = f"give scene[{body!r}]" if isinstance(body, str) else "give what scene.add returns"
             raise TypeError(f"initialStress: {shown(body)} among the bodies is not a body; {instead}")
@@ -267,14 +273,3 @@ def _layerOf(body, weight, K0, surface):
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     upper[-1] = surface
     return Layer(weight, K0, lower, upper, float(body.position[:, -1].min()))
-
-
-def _checkNumber(name, value):
-    if name == "unitWeight" and value is None:
-        return
-    least = -np.inf if name == "surface" else 0
-    if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value >= least):
-        raise ValueError(
-            f"initialStress: {name} = {shown(value)} is not allowed; give "
-            f"{'zero or a positive number' if least == 0 else 'a number'}"
-        )

@@ -28,11 +28,12 @@ def makeCore(lower, upper, cell, lines=None):
 def cellSize(cell, dim):
     """Cell size per axis, m (dim,), from one number or one per axis."""
     try:
-        return np.broadcast_to(_numbers(cell), (dim,)).copy()
+        size = np.broadcast_to(_numbers(cell), (dim,)).copy()
     except (TypeError, ValueError):
-        raise ValueError(
-            f"Scene: cell = {shown(cell)} is not allowed; give one number, or {dim}, m"
-        ) from None
+        size = np.zeros(dim)
+    if (size > 0).all() and np.isfinite(size).all():
+        return size
+    raise ValueError(f"Scene: cell = {shown(cell)} is not allowed; give one positive number, or {dim}, m")
 
 
 def corner(what, values):

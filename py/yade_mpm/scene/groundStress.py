@@ -7,10 +7,10 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
-from ..base.kinds import BODIES, takes
+from ..base.kinds import NUMBER, POSITIVE, SOME_BODIES, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
+from ..geometry.numbers import floats, isNumber
 from ..particle.body import Body
 from .geostatic import weightOf
 from .running import refuseDuringStep, refuseMidStep
@@ -22,7 +22,7 @@ OUT = (
 
 
 @checked("Scene.groundStress")
-@takes(bodies=BODIES)
+@takes(bodies=SOME_BODIES, gravity=POSITIVE, water=NUMBER)
 def groundStress(
     scene,
     K0,
@@ -63,9 +63,6 @@ def groundStress(
     ground = [b for b in (bodies or scene.bodies) if b.count and (bodies or b.material._core.yields)]
     if not ground:
         raise ValueError("groundStress: no body of the scene yields; give the ground by bodies=[...]")
-    for name, value in (("gravity", gravity), ("water", water)):
-        if not (value is None and name == "water" or isNumber(value) and np.isfinite(value)):
-            raise ValueError(f"groundStress: {name} = {shown(value)} is not allowed; give a number")
     _refuseUnknown(scene, K0=K0, OCR=OCR, weightBelow=weightBelow)
     if water is None and weightBelow is not None:
         raise ValueError(
@@ -122,7 +119,7 @@ def _values(name, given, body):
     """A number for each particle."""
     try:
         value = given(*body.position.T) if callable(given) else given
-        values = np.broadcast_to(np.asarray(value, float), body.count)
+        values = np.broadcast_to(floats(value), body.count)
     except (TypeError, ValueError):
         values = np.full(1, np.nan)
     if not (np.isfinite(values).all() and (values >= 0).all()):

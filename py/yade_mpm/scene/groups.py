@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.kinds import NOT_NEGATIVE
 from ..base.wording import shown
 from ..engine.contact import Contact
-from ..geometry.numbers import isNumber
 from ..particle.body import Body
 from .running import refuseDuringStep
 
@@ -113,13 +113,8 @@ def _check(scene, pair):
             f"contact: the scene has taken {scene.steps} steps, and its groups stay; call contact before the "
             "first step, or set body.group and Contact.pair(...)"
         )
-    for name in ("friction", "adhesion"):
-        value = getattr(pair, name)
-        if not (isNumber(value) and 0 <= value < np.inf):
-            raise ValueError(
-                f"contact: {name} = {shown(value)} is not allowed; give zero or a positive number"
-                f"{' (kPa)' if name == 'adhesion' else ''}"
-            )
+    NOT_NEGATIVE.check("contact", friction=pair.friction)
+    NOT_NEGATIVE.check("contact", "kPa", adhesion=pair.adhesion)
     for a, b in pair.named():
         if a is b:
             raise ValueError(f"contact: '{a.name}' is on both sides; give two bodies")

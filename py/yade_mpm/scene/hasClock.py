@@ -8,7 +8,6 @@ import numpy as np
 from .. import _core
 from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
 from .running import refuseDuringStep, refuseMidStep, refuseWhileRunning
 
 MOST_THREADS = 1024
@@ -35,11 +34,8 @@ class HasClock:
     @dt.setter
     def dt(self, value: float | None) -> None:
         refuseDuringStep(self, "dt")
-        if value is not None and not (isNumber(value) and 0 < value < np.inf):
-            raise ValueError(
-                f"Scene: dt = {shown(value)} s is not allowed; give a positive number, or None for an "
-                "automatic step"
-            )
+        if value is not None:  # None: an automatic step
+            POSITIVE.check("Scene", "s; None: automatic", dt=value)
         self._dt = None if value is None else float(value)
         self.stepper.noteChange()
 
@@ -50,8 +46,7 @@ class HasClock:
 
     @allowUnstable.setter
     def allowUnstable(self, value):
-        if not isinstance(value, (bool, np.bool_)):
-            raise ValueError(f"Scene: allowUnstable = {shown(value)} is not allowed; give True or False")
+        FLAG.check("Scene", allowUnstable=value)
         self._allowUnstable = bool(value)
 
     @property

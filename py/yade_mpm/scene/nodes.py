@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.kinds import NUMBERS, TEXT, takes
-from ..base.wording import shown
+from ..base.wording import didYouMean, shown
 from ..engine.prescribed import FACES
 from ..geometry.region import Region
 
@@ -64,6 +64,18 @@ def faceNodes(scene, face: str) -> np.ndarray:
     if side == 0:
         return np.flatnonzero(x <= scene.lower[axis] + tolerance)
     return np.flatnonzero(x >= scene.upper[axis] - tolerance)
+
+
+def requireSides(scene, call, sides, hint=""):
+    """TypeError unless sides are names, ValueError for one that the grid does not have; hint : what to do."""
+    known = FACES[scene.dim]
+    if not sides or not all(isinstance(side, str) for side in sides):
+        raise TypeError(f"{call}: sides = {shown(sides)}; give names, of {', '.join(known)}")
+    for side in (side for side in sides if side not in known):
+        raise ValueError(
+            f"{call}: there is no side {shown(side)}; sides are {', '.join(known)}"
+            f"{hint or didYouMean(side, known)}"
+        )
 
 
 def nodesInside(scene, region: Region) -> np.ndarray:

@@ -70,6 +70,8 @@ def _removeRegion(scene, body, region):
         raise TypeError(
             f"Scene: remove(region={shown(region)}); give a region of {scene.dim} dimensions, or a body"
         )
+    if body is not None:
+        _check(scene, body)
     bodies = [body] if body is not None else [b for b in scene.bodies if b.material._core.yields]
     found = [(one, *_partsOutside(one, region)) for one in bodies if isinstance(one, Body) and one.count]
     found = [(one, share, centre) for one, share, centre in found if (share < 1).any()]

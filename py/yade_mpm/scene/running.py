@@ -10,8 +10,8 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.kinds import FINITE, NOT_NEGATIVE, WHOLE
 from ..base.wording import shown
-from ..geometry.numbers import isNumber
 from ..io import owners
 from ..io.files import checkWritable
 from .background import BackgroundRun
@@ -71,20 +71,17 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
         raise RuntimeError("run: a step is going on; a callback cannot run the scene")
     if (until is None) == (steps is None):
         raise ValueError("run: give either until (s) or steps")
-    if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
+    if steps is not None and not (WHOLE.isOne(steps) and steps >= 0):
         raise ValueError(f"run: steps = {shown(steps)} is not allowed; give a whole number")
-    if until is not None and not (isNumber(until) and until < np.inf):
-        raise ValueError(f"run: until = {shown(until)} is not allowed; give a time in s")
+    if until is not None:
+        FINITE.check("run", "s", until=until)
     if until is not None and not until > scene.time:
         raise ValueError(f"run: until = {until:g} s is not after the scene's time {scene.time:g} s")
     if checkpointFile is not None:
         checkWritable(checkpointFile)
         refuseResults(scene, checkpointFile)
-    if checkpointPeriod is not None and not (isNumber(checkpointPeriod) and checkpointPeriod >= 0):
-        raise ValueError(
-            f"run: checkpointPeriod = {shown(checkpointPeriod)} is not allowed; give a wall time in s, or "
-            "None"
-        )
+    if checkpointPeriod is not None and checkpointPeriod != np.inf:
+        NOT_NEGATIVE.check("run", "s of wall time, or None", checkpointPeriod=checkpointPeriod)
 
 
 def step(scene) -> None:

@@ -11,10 +11,9 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.kinds import COUNT, POSITIVE, SHARE
 from ..base.warn import warnUser
-from ..base.wording import shown
 from ..engine.prescribed import MotionTable, Steering
-from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
 from .wetting import waterOf
 
@@ -62,7 +61,10 @@ def settle(
     Returns the number of steps. Raises ValueError for a prescribed motion that is not at rest, RuntimeError
     if it takes more than maxSteps or maxTime.
     """
-    _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance)
+    SHARE.check("settle", damping=damping)
+    COUNT.check("settle", maxSteps=maxSteps, checkEvery=checkEvery)
+    longest = {} if maxTime is None else {"maxTime": maxTime}
+    POSITIVE.check("settle", tolerance=tolerance, stressTolerance=stressTolerance, **longest)
     solver = scene._gridSolver("settle")
     motions = solver._constraints(scene)
     for motion in motions:
@@ -248,26 +250,3 @@ def _toCome(before, after):
 
 def _percent(share):
     return "an unknown share" if not np.isfinite(share) else f"{100 * share:.2g} %"
-
-
-def _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance):
-    for name, value, isAllowed, allowed in (
-        ("damping", damping, isNumber(damping) and 0 <= damping <= 1, "a number from 0 to 1"),
-        ("tolerance", tolerance, isNumber(tolerance) and tolerance > 0, "a positive number"),
-        ("maxSteps", maxSteps, isCount(maxSteps), "a whole number from 1 on"),
-        (
-            "maxTime",
-            maxTime,
-            maxTime is None or isNumber(maxTime) and maxTime > 0,
-            "a positive number or None",
-        ),
-        (
-            "stressTolerance",
-            stressTolerance,
-            isNumber(stressTolerance) and stressTolerance > 0,
-            "a positive number",
-        ),
-        ("checkEvery", checkEvery, isCount(checkEvery), "a whole number from 1 on"),
-    ):
-        if not isAllowed:
-            raise ValueError(f"settle: {name} = {shown(value)} is not allowed; give {allowed}")

@@ -9,13 +9,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.attributes import didYouMean
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..engine.engines import classes
 from ..engine.prescribed import FACES
 from ..engine.supports import timeRows
 from ..material.materials import Material
+from .nodes import requireSides
 from .running import refuseDuringStep
 from .wetting import waterOf
 
@@ -37,6 +37,7 @@ def tie(scene, *sides: str):
     different size, or are viscous or tied; or where the ground has water.
     """
     refuseDuringStep(scene, "tie")
+    requireSides(scene, "tie", sides)
     faces = FACES[scene.dim]
     pairs = {tuple(s for s in faces if faces[s][0] == axis): axis for axis in range(scene.dim - 1)}
     axis = next((pairs[pair] for pair in pairs if set(sides) == set(pair) and len(sides) == 2), None)
@@ -113,8 +114,7 @@ def viscous(
     side is of several materials and `behind` is left out.
     """
     refuseDuringStep(scene, "viscous")
-    if not sides or not all(isinstance(side, str) for side in sides):
-        raise TypeError(f"viscous: sides = {shown(sides)}; give names, e.g. scene.viscous('bottom')")
+    requireSides(scene, "viscous", sides)
     there = {engine.label for engine in scene.engines}
     for lower, upper in (("left", "right"), ("front", "back")):
         if f"tied {lower}" in there and {lower, upper} & set(sides):
@@ -130,11 +130,6 @@ def viscous(
 
 
 def _made(scene, side, motion, times, behind):
-    if side not in FACES[scene.dim]:
-        known = ", ".join(FACES[scene.dim])
-        raise ValueError(
-            f"viscous: there is no side {shown(side)}; sides are {known}{didYouMean(side, FACES[scene.dim])}"
-        )
     near = _bodiesAt(scene, side)
     soil = _stiffness(near)
     if len({body.material.density for body in near}) != 1 or any(body.inertiaScale != 1 for body in near):

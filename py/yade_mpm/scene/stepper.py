@@ -6,10 +6,8 @@ import math
 import time
 from contextlib import contextmanager
 
-import numpy as np
-
 from ..base.attributes import Guarded, keep
-from ..base.kinds import ENGINE, takes
+from ..base.kinds import ENGINE, NOT_NEGATIVE, WHOLE, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..check import limits
@@ -231,8 +229,7 @@ class Stepper(TimeStep, Guarded):
         thread is at work with the scene; and what a step raises.
         """
         self._refuseUnprepared("advance")
-        isWhole = isinstance(steps, (int, np.integer)) and not isinstance(steps, bool)
-        if not (isWhole and steps >= 0 and isNumber(seconds)):
+        if not (WHOLE.isOne(steps) and steps >= 0 and isNumber(seconds)):
             raise ValueError(
                 f"Stepper.advance: steps = {shown(steps)}, seconds = {shown(seconds)} is not allowed; give a "
                 "whole number from 0 on, and a wall time in s"
@@ -331,8 +328,5 @@ def _require(isRight, name, value, allowed):
 
 
 def _asTime(what, time):
-    if not (isNumber(time) and 0 <= time < math.inf):
-        raise ValueError(
-            f"Stepper.{what}: time = {shown(time)} is not allowed; give zero or a positive time, s"
-        )
+    NOT_NEGATIVE.check(f"Stepper.{what}", "s", time=time)
     return float(time)

@@ -9,10 +9,8 @@ import numpy as np
 from ..base.attributes import keep
 from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..base.warn import warnUser
-from ..base.wording import shown
 from ..check import limits
 from ..engine.callback import Callback
-from ..geometry.numbers import isNumber
 
 BLENDS = {
     "GridSolver": ("damping",),
@@ -74,8 +72,7 @@ class TimeStep:
     @dt.setter
     @holding
     def dt(self, value):
-        if not (isNumber(value) and 0 < value < math.inf):
-            raise ValueError(f"Stepper: dt = {shown(value)} s is not allowed; give a positive number")
+        POSITIVE.check("Stepper", "s", dt=value)
         self._scene._core.dt = float(value)
 
     @holding

@@ -70,6 +70,8 @@ class Study:
         self.cases = _listed(cases)
         if not self.cases:
             raise ValueError("study: there is no case; give a table, or NAME=VALUES")
+        if os.path.exists(self.out) and not os.path.isdir(self.out):
+            raise ValueError(f"study: out = {shown(self.out)} is no folder; give the name of one")
         os.makedirs(os.path.join(self.out, "cases"), exist_ok=True)
         with self._holding():
             if callable(scene):

@@ -10,9 +10,9 @@ a subclass that takes steps without Python, see `grants`.
 """
 
 import json
-import math
 import os
 
+from ..base.kinds import COUNT, POSITIVE
 from ..base.wording import shown
 from ..scene.restoring import load
 from ..scene.scene import Scene
@@ -96,8 +96,9 @@ def inYade(
     for other in loop.attached.values():
         if other.scene is scene and other.label != label:
             raise ValueError(f"inYade: this scene is attached as '{other.label}' already; detach() it there")
-    mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
-    demSteps = saved.get("demSteps", 1) if demSteps is None else _count("demSteps", demSteps)
+    mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else mpmSteps
+    demSteps = saved.get("demSteps", 1) if demSteps is None else demSteps
+    COUNT.check("inYade", mpmSteps=mpmSteps, demSteps=demSteps)
     if mpmSteps > 1 and demSteps > 1:
         raise ValueError(f"inYade: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1")
     stages = saved.get("stages", mpmSteps == 1) if stages is None else bool(stages)
@@ -112,7 +113,8 @@ def inYade(
     if checkpointPeriod is None:
         before = loop.attached.get(label)
         checkpointPeriod = before.checkpointPeriod if before else saved.get("checkpointPeriod")
-    _checkPeriod(checkpointPeriod)
+    if checkpointPeriod is not None:
+        POSITIVE.check("inYade", "s of wall time, or None", checkpointPeriod=checkpointPeriod)
     loop.wrapOmega(type(omega))
     loop.thread.waitForEnd()
     loop.errors.clear()
@@ -149,21 +151,6 @@ def _chosen(plot):
     raise TypeError(
         f"inYade: plot = {shown(plot)} is not allowed; give True, False, or a list of names of columns"
     )
-
-
-def _checkPeriod(period):
-    if period is not None and (
-        isinstance(period, bool) or not isinstance(period, (int, float)) or not 0 < period < math.inf
-    ):
-        raise ValueError(
-            f"inYade: checkpointPeriod = {shown(period)} is not allowed; give a wall time in s, or None"
-        )
-
-
-def _count(name, value):
-    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise ValueError(f"inYade: {name} = {shown(value)} is not allowed; give a whole number from 1 on")
-    return value
 
 
 def _fromTag(omega, label, callbacks):

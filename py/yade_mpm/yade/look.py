@@ -4,6 +4,7 @@
 import matplotlib
 import numpy as np
 
+from ..base.kinds import COUNT
 from ..base.wording import shown
 from ..plot.picture import componentOf, partsOf
 from .plane import Plane
@@ -51,8 +52,7 @@ def checkLook(who, omega, period):
     """RuntimeError while YADE runs, ValueError for a period that is no whole number of steps."""
     if omega.running:
         raise RuntimeError(f"{who}: YADE is running; O.pause() first")
-    if not (isinstance(period, int) and period >= 1):
-        raise ValueError(f"{who}: period = {shown(period)} is not allowed; give a whole number of steps")
+    COUNT.check(who, "steps", period=period)
 
 
 def coloursOf(who, bodies, field, component=None, limits=None, colours=COLOURS):

@@ -182,4 +182,4 @@ def test_the_benchmark_times_both_numberings(tmp_path):
     assert int(domains) == 120
     assert float(inRows) > 0 and float(given) > 0  # ns; how many depends on the machine
     lost = bench(tmp_path / "sand.vtk")
-    assert lost.returncode == 1 and "there is no mesh file" in lost.stderr and "Traceback" not in lost.stderr
+    assert lost.returncode == 1 and "there is no file" in lost.stderr and "Traceback" not in lost.stderr

@@ -82,7 +82,7 @@ def test_callbacks_come_back_by_spec_or_by_label(tmp_path):
 
 def test_files_that_are_no_checkpoint_are_refused(tmp_path):
     file = tmp_path / "a.h5"
-    with pytest.raises(FileNotFoundError, match="does not exist"):
+    with pytest.raises(FileNotFoundError, match="load: there is no file"):
         mpm.load(file)
     file.write_text("hello")
     with pytest.raises(ValueError, match="is no checkpoint, or damaged: it is not an HDF5 file"):

@@ -16,6 +16,9 @@ from .engine import generated
 from .prescribed import FACES
 from .supports import timeRows
 
+UNITS = {"heads": "level, m, or rows (time, level)", "inflows": "flow, m/s"}
+OF_BODIES = ("permeability", "porosity")  # which particles take from it when they are made
+
 
 class PoreWater(generated["PoreWater"]):
     __doc__ = (
@@ -42,7 +45,8 @@ drains : list of regions, at the pressure 0, or of (region, head in m): water le
 sealed : True: no water passes the surface of the soil.
 kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n the porosity.
 
-A soil with another permeability or porosity has another `PoreWater`, equal in the rest. Results:
+A soil with another permeability or porosity has another `PoreWater`, equal in the rest; later
+`body.permeability` and `body.porosity` count. Results:
 `body.porePressure`, kPa, compression positive; `excess(body)` over the hydrostatic one, kPa; `head(body)`, m;
 `body.flowVelocity`, m/s, Darcy's flow over area; `outflow` and `inflow`, m3/s, through all boundaries;
 `iterations`. A history has the last three as columns, such as water.outflow. Pictures and files have the
@@ -50,6 +54,7 @@ fields porePressure, excessPressure, head and flowVelocity. A surface without wa
 in front of it takes in what the soil sucks, as if it rained."""
     )
 
+    _isGiven = False  # to a body
     _tables = ("table", "rise", "heads", "drained", "inflows", "wells", "drains")
 
     def __init__(
@@ -67,34 +72,20 @@ in front of it takes in what the soil sucks, as if it rained."""
             if rows is not None:  # before the levels of a checkpoint, which belong to the table
                 attributes = {name: rows, **attributes}
         named = {}
-        for name, rows, unit in (
-            ("heads", heads, "level, m, or rows (time, level)"),
-            ("inflows", inflows, "flow, m/s"),
-        ):
-            if isinstance(rows, dict):
-                named[name] = _checked(name, rows, unit)
-            elif isinstance(rows, (list, tuple)):  # from a checkpoint
-                attributes[name] = list(rows)
-            elif rows is not None:
-                raise TypeError(f"PoreWater: {name} = {shown(rows)}; give a dict face -> {unit}")
-        if drained is not None and not isinstance(drained, (str, list, tuple)):
-            raise TypeError(f"PoreWater: drained = {shown(drained)}; give a face, or a list of faces")
-        faces = [drained] if isinstance(drained, str) else list(drained or ())
-        if all(isNumber(face) for face in faces):  # from a checkpoint
-            attributes["drained"] = faces
-        else:
-            named["drained"] = dict.fromkeys(faces, [()])
+        for name, given in (("heads", heads), ("inflows", inflows), ("drained", drained)):
+            if isinstance(given, (list, tuple)) and all(isNumber(one) for one in given):  # from a checkpoint
+                attributes[name] = list(given)
+            elif given is not None:
+                named[name] = _byFace(name, given)
         regions = {}
         for name, rows in (("wells", wells), ("drains", drains)):
+            if not (rows is None or isinstance(rows, (list, tuple))):
+                raise TypeError(f"PoreWater: {name} = {shown(rows)}; give a list")
             if rows is None or all(isNumber(row) for row in rows):  # from a checkpoint
                 attributes[name] = list(rows or ())
             else:
                 regions[name] = [_checkedRegion(name, row) for row in rows]
-        given = [(face, name) for name, values in named.items() for face in values]
-        for face, name in given:
-            others = [other for its, other in given if its == face and other != name]
-            if others:
-                raise ValueError(f"PoreWater: '{face}' is in {name} and in {others[0]}; give it one of them")
+        _refuseTwice(named)
         super().__init__(**attributes)
         self.__dict__.update(_named=named, _regions=regions)
 
@@ -108,6 +99,17 @@ in front of it takes in what the soil sucks, as if it rained."""
             rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
             value = timeRows("PoreWater", name, rows, 1, None).ravel().tolist()
         scene = self._owner and self._owner()
+        isRows = isinstance(value, (list, tuple)) and all(isNumber(one) for one in value)
+        if name in ("heads", "inflows", "drained") and scene and not isRows:
+            named = {**self._named, name: _byFace(name, value)}
+            _refuseTwice(named)
+            value = _faceRows(scene, name, named[name])
+            self.__dict__["_named"] = named
+        if name in OF_BODIES and (self._isGiven or scene):
+            raise ValueError(
+                f"PoreWater: {name} = {shown(value)} comes too late, the particles of soil have theirs; set "
+                f"body.{name}, or give a new body another PoreWater"
+            )
         if name in ("wells", "drains") and scene and not all(isNumber(row) for row in np.ravel(value)):
             rows = value if isinstance(value, (list, tuple)) else [value]
             value = _cellRows(scene, name, [_checkedRegion(name, row) for row in rows])
@@ -115,21 +117,15 @@ in front of it takes in what the soil sucks, as if it rained."""
 
     def _enter(self, scene):
         """What is known of the faces only with a scene."""
-        faces = list(FACES[scene.dim])  # in the order of their numbers
         for name, values in self._named.items():
-            if unknown := [face for face in values if face not in faces]:
-                raise ValueError(
-                    f"PoreWater: {name} has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
-                )
-            rows = [(k, *row) for k, face in enumerate(faces) if face in values for row in values[face]]
-            self._core.set(name, np.array(rows, float).ravel().tolist())
+            self._core.set(name, _faceRows(scene, name, values))
         for name, rows in self._regions.items():
             self._core.set(name, _cellRows(scene, name, rows))
 
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
         mine, its = (one.attributes() for one in (self, other))
-        ignored = ("permeability", "porosity", "iterations", "outflow", "inflow", "debt", "changes", "label")
+        ignored = (*OF_BODIES, "iterations", "outflow", "inflow", "debt", "changes", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
     def _overTime(self):
@@ -177,6 +173,37 @@ in front of it takes in what the soil sucks, as if it rained."""
 def waterOf(scene):
     """The PoreWater of a scene, or None."""
     return next((engine for engine in scene.engines if isinstance(engine, PoreWater)), None)
+
+
+def _byFace(name, given):
+    """Dict face -> rows of what is given for faces."""
+    if name == "drained":
+        if not isinstance(given, (str, list, tuple)):
+            raise TypeError(f"PoreWater: drained = {shown(given)}; give a face, or a list of faces")
+        return dict.fromkeys([given] if isinstance(given, str) else given, [()])
+    unit = UNITS[name]
+    if not isinstance(given, dict):
+        raise TypeError(f"PoreWater: {name} = {shown(given)}; give a dict face -> {unit}")
+    return _checked(name, given, unit)
+
+
+def _refuseTwice(named):
+    given = [(face, name) for name, values in named.items() for face in values]
+    for face, name in given:
+        others = [other for its, other in given if its == face and other != name]
+        if others:
+            raise ValueError(f"PoreWater: '{face}' is in {name} and in {others[0]}; give it one of them")
+
+
+def _faceRows(scene, name, values):
+    """Rows of numbers, each with the number of its face first, one behind the other."""
+    faces = list(FACES[scene.dim])  # in the order of their numbers
+    if unknown := [face for face in values if face not in faces]:
+        raise ValueError(
+            f"PoreWater: {name} has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
+        )
+    rows = [(k, *row) for k, face in enumerate(faces) if face in values for row in values[face]]
+    return np.array(rows, float).ravel().tolist()
 
 
 def _checkedRegion(name, row):

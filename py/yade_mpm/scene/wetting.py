@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Soil with water in its pores."""
 
+from ..base.attributes import keep
 from ..base.wording import shown
 from ..engine.contact import Contact
 from ..engine.engine import belongTo
@@ -44,6 +45,7 @@ def giveWater(scene, body, water):
         last = max(k for k, engine in enumerate(scene.engines) if isinstance(engine, (GridSolver, Contact)))
         belongTo(scene, water)
         scene.engines.insert(last + 1, water)
+    keep(water, _isGiven=True)
     addPores(body)
     depth = water.level(body.position, scene.time) - body.position[:, -1]
     body.saturation = (depth > 0) | (not water.table)

@@ -210,3 +210,27 @@ def test_long_ground_of_one_row_of_cells_runs():
     before = soil.porePressure[far]
     scene.run(steps=3, progress=False)
     assert water.iterations > 0 and soil.porePressure[far] == pytest.approx(before, rel=1e-4)
+
+
+def test_a_stage_may_give_faces_another_water():
+    scene = pressed(drained=None, inflows=None, heads={"left": 2.0})
+    water = waterOf(scene)
+    water.heads = {"left": [(0, 1.0), (1, 2.0)]}
+    assert water.heads == (0, 0, 1, 0, 1, 2)
+    water.heads, water.drained = {}, ["left", "bottom"]
+    assert (water.heads, water.drained) == ((), (0, 2))
+    refused("'left' is in ... drained", lambda: setattr(water, "inflows", {"left": 1e-6}))
+    refused("heads has 'lift'", lambda: setattr(water, "heads", {"lift": 1.0}))
+
+
+@pytest.mark.parametrize("name", ["permeability", "porosity"])
+def test_what_particles_have_is_not_set_in_the_water(name):
+    water = mpm.PoreWater()
+    setattr(water, name, 0.3)  # in time
+    scene = pressed()
+    refused(
+        f"PoreWater: {name} = 0.3 comes too late ... body.{name}", lambda: setattr(waterOf(scene), name, 0.3)
+    )
+    setattr(scene.bodies[0], name, 0.3)
+    assert getattr(restarted(scene, 1).bodies[0], name) == pytest.approx(0.3)
+    refused(f"{name} ... too late", lambda: setattr(waterOf(restarted(scene, 1)), name, 0.3))

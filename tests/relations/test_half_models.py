@@ -7,6 +7,7 @@ A block on a fixed bottom that swings, symmetric about x = 0, beside its half fr
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CELL, LENGTH, HEIGHT = 0.5, 4.0, 3.0  # m, of the half
@@ -197,12 +198,7 @@ def test_elastic_boxes_rest_beside_rollers():
 
     def run(steps, damping):
         walls = dict(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"), damping=damping)
-        scene.engines = [
-            mpm.ParticleToGrid(),
-            mpm.GridSolver(**walls),
-            mpm.GridToParticle(),
-            mpm.DomainUpdater(),
-        ]
+        scene.engines = chain(**walls)
         for body in scene.bodies:
             body.velocity[:] = 0
         scene.run(steps=steps, progress=False)

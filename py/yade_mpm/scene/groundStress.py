@@ -7,7 +7,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
-from ..base.kinds import NUMBER, POSITIVE, SOME_BODIES, takes
+from ..base.kinds import FINITE, POSITIVE, SOME_BODIES, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..geometry.numbers import floats, isNumber
@@ -22,7 +22,7 @@ OUT = (
 
 
 @checked("Scene.groundStress")
-@takes(bodies=SOME_BODIES, gravity=POSITIVE, water=NUMBER)
+@takes(bodies=SOME_BODIES)
 def groundStress(
     scene,
     K0,
@@ -63,6 +63,9 @@ def groundStress(
     ground = [b for b in (bodies or scene.bodies) if b.count and (bodies or b.material._core.yields)]
     if not ground:
         raise ValueError("groundStress: no body of the scene yields; give the ground by bodies=[...]")
+    POSITIVE.check("groundStress", "m/s2", gravity=gravity)
+    if water is not None:
+        FINITE.check("groundStress", "m", water=water)
     _refuseUnknown(scene, K0=K0, OCR=OCR, weightBelow=weightBelow)
     if water is None and weightBelow is not None:
         raise ValueError(

@@ -31,18 +31,13 @@ def pushed(thickness=0.5, asOne=False, implicit=True, threads=1, scheme="MUSL", 
         "wall", box((left, 0), (front, 2)), steel, mpm.APDI(size=0.25), group="wall", implicit=implicit
     )
     scene.initialStress(surface=2, K0=0.5, bodies=soils)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(
-            gravity=(0, -9.81),
-            damping=0.2,
-            roller=("left", "right", "bottom"),
-            drive=mpm.Drive(wall, velocity=(SPEED, 0), ramp=0.2),
-        ),
-        mpm.Contact(**law),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(
+        contact=mpm.Contact(**law),
+        gravity=(0, -9.81),
+        damping=0.2,
+        roller=("left", "right", "bottom"),
+        drive=mpm.Drive(wall, velocity=(SPEED, 0), ramp=0.2),
+    )
     return scene, soils, wall
 
 

@@ -36,7 +36,7 @@ def test_a_checkpoint_does_not_replace_results(tmp_path, kind):
     "cell", ["0.5", datetime.date(2020, 1, 1), np.datetime64("2020-01-01"), True, None, 1j]
 )
 def test_text_and_dates_are_no_numbers(cell):
-    with pytest.raises(ValueError, match="Scene: cell = .* is not allowed; give one number"):
+    with pytest.raises(ValueError, match="Scene: cell = .* is not allowed; give one positive number"):
         mpm.Scene((0, 0), (1, 1), cell)
     with pytest.raises(ValueError, match="Scene: lower = .* is not allowed"):
         mpm.Scene((cell, cell), (1, 1), 0.5)

@@ -16,7 +16,7 @@ from .resume import SUMMARY, keep
 
 
 class Run:
-    """A run of a scene, begun anew or from the checkpoint of --resume.
+    """A run of a scene, from its start or from the checkpoint of --resume.
 
     a : arguments, a namespace with `until` (s), `threads`, `out` and `resume` as `commandLine.Parser` gives
     them.

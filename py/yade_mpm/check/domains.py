@@ -113,7 +113,7 @@ def locking(body):
         return (
             f"body '{body.name}' yields and is implicit: {100 * share:.3g} % of its particles have a plastic "
             f"shear strain above {100 * limits.FLOW_STRAIN:g} %, and the solution adds elastic forces beyond "
-            "what they bear, on the unsafe side (by a third at twice the step of the explicit body, more at "
+            "their strength, on the unsafe side (by a third at twice the step of the explicit body, more at "
             "longer ones); leave implicit=True out, or take a shorter step"
         )
     return (
@@ -160,7 +160,7 @@ def opened(body):
         return None
     return (
         f"body '{body.name}' has gained {100 * growth:.3g} % of volume, though its soil does not dilate: it "
-        "opened at the tip of its yield surface, and bears pressure again before it has closed; leave "
+        "opened at the tip of its yield surface, and resists pressure before it has closed; leave "
         f"closing=False of {type(body.material).__name__} out, or give closing=True"
     )
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is allowed in a scene, but is more likely a mistake: units that do not fit, stresses and piles that
-the model cannot bear."""
+the model cannot take."""
 
 import numpy as np
 
@@ -276,7 +276,7 @@ def _isDriven(body):
 
 
 def _beyondYield(body):
-    """A stress that the material cannot bear: the first step changes it without any strain."""
+    """A stress that the material cannot have: the first step changes it without any strain."""
     found = body._core.beyondYield(ROUNDOFF)
     count, worst, change = found["count"], found["worst"], found["change"]
     if not count:
@@ -285,13 +285,13 @@ def _beyondYield(body):
     vertical, horizontal = body.stress[worst, up, up], body.stress[worst, 0, 0]
     names = [variable[0] for variable in body.material._core.stateVariables()]
     state = {name: getattr(body, name)[worst] for name in names}
-    bearable = _bearableK0(body.material, state, vertical, up) if vertical < 0 else None
+    allowed = _allowedK0(body.material, state, vertical, up) if vertical < 0 else None
     advice = (
         "give a stress inside the yield surface"
-        if bearable is None
+        if allowed is None
         else (
-            f"where the vertical stress is {vertical:.3g} kPa it bears K0 from {bearable[0]:.4g} to "
-            f"{bearable[1]:.4g}, given is {horizontal / vertical:.4g}"
+            f"where the vertical stress is {vertical:.3g} kPa it allows K0 from {allowed[0]:.4g} to "
+            f"{allowed[1]:.4g}, given is {horizontal / vertical:.4g}"
         )
     )
     yield (
@@ -301,23 +301,23 @@ def _beyondYield(body):
     )
 
 
-def _bearableK0(material, state, vertical, up):
-    """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it
-    does not bear that."""
+def _allowedK0(material, state, vertical, up):
+    """Least and largest K0 that a material allows at a vertical stress, by bisection from K0 = 1; None if it
+    does not allow that."""
 
-    def bears(K0):
+    def isAllowed(K0):
         stress = vertical * np.diag([1.0 if k == up else K0 for k in range(3)])
         return np.abs(
             MaterialPoint(material, stress, state).gradient(np.zeros((3, 3)), 1.0) - stress
         ).max() <= ROUNDOFF * abs(vertical)
 
-    if not bears(1.0):
+    if not isAllowed(1.0):
         return None
     ends = []
     for far in (0.0, 100.0):
         good, bad = 1.0, far
-        for _ in range(0 if bears(far) else 30):
+        for _ in range(0 if isAllowed(far) else 30):
             middle = 0.5 * (good + bad)
-            good, bad = (middle, bad) if bears(middle) else (good, middle)
-        ends.append(far if bears(far) else good)
+            good, bad = (middle, bad) if isAllowed(middle) else (good, middle)
+        ends.append(far if isAllowed(far) else good)
     return ends

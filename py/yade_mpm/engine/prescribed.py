@@ -107,8 +107,8 @@ class Prescribed(Guarded):
     @property
     def reaction(self) -> np.ndarray:
         """Force on the material in the last step, kN (plane strain: kN/m): what the drive adds to the weight.
-        The ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError
-        as long as it is in no scene that was run."""
+        The ground below a pile that is pressed down resists with -reaction and the weight of the pile.
+        RuntimeError as long as it is in no scene that was run."""
         if not self._hasBegun:
             kind = type(self).__name__
             raise RuntimeError(
@@ -138,7 +138,7 @@ class Drive(Prescribed):
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default "drive".
     byHeight : bool. False: the part keeps the particles that are in it at the first run, wherever they go.
-        True: a part above or below a height is looked up anew in each step; default False.
+        True: a part above or below a height is found again in each step; default False.
 
     Nodes of which half of the mass or more is driven take the velocity: where the part ends on a line of the
     grid, all nodes of that line do. While the body moves across the line, that holds as long as half of the
@@ -381,7 +381,13 @@ def velocityRows(who, velocity, times, dim):
     if not len(rows) or any(np.shape(np.array(row, object)) != (1 + dim,) for row in rows):
         return timeRows(who, "velocity", rows, dim, None)  # which says what is wrong
     isFree = np.array([[v is None for v in row] for row in rows]).all(axis=0)
-    rows = timeRows(who, "velocity", np.where(isFree, 0.0, np.asarray(rows, object)), dim, None)
+    rows = timeRows(
+        who,
+        "velocity",
+        np.where(isFree, 0.0, [[np.nan if v is None else v for v in row] for row in rows]),
+        dim,
+        None,
+    )
     rows[:, isFree] = np.nan
     return rows
 

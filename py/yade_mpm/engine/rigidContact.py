@@ -18,7 +18,7 @@ class RigidContact(generated["RigidContact"]):
         generated["RigidContact"].__doc__
         + """
 
-Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew
+Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set again
 they move on with their velocities. All arrays have a row per rigid body and three columns, in 2D scenes,
 too."""
     )
@@ -124,7 +124,7 @@ too."""
         return number
 
     def _replaceShapes(self, shapes):
-        """Gives the rigid bodies other shapes, between two steps of a host that prepares the scene anew
+        """Gives the rigid bodies other shapes, between two steps of a host that prepares the scene again
         behind it. A body without a shape touches nothing.
 
         Parameters

@@ -94,7 +94,7 @@ def Anchor(
     limit: float | None = None,
     **options,
 ) -> Spring:
-    """A ground anchor: a `Spring` that bears tension alone, from a body to the grouted length in the soil.
+    """A ground anchor: a `Spring` that takes tension alone, from a body to the grouted length in the soil.
 
     Parameters
     ----------

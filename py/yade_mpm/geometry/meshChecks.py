@@ -96,7 +96,7 @@ def _points(name, points):
     isRight = points.ndim == 2 and points.shape[1] in (2, 3) and 0 < len(points) <= MOST_VERTICES
     _require(isRight, f"mesh '{name}': points has the shape {points.shape}; give (Nv, 2) or (Nv, 3), m")
     bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
-    _require(not len(bad), f"mesh '{name}': point {bad[:1].tolist()} is not finite; mend it")
+    _require(not len(bad), f"mesh '{name}': point {bad[:1].tolist()} is not finite; correct it")
     return points
 
 

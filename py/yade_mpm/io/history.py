@@ -53,7 +53,7 @@ class History(Callback):
     makes the value of one step noisy.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
-    NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
+    NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless its name is that of its face also the moment NAME.mz
     (3D: mx, my, mz), of a `Drive` also NAME.rowsCrossed; with a `Contact` among the engines contact.A-B.fx,
     contact.A-B.fy (, .fz), the force on group B by group A for each pair of groups, contact.frictionWork and,
     of the last step, contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy,
@@ -89,7 +89,7 @@ class History(Callback):
         self._columns = Columns(columns or {})
         self._data, self._units, self._count = {}, {}, 0
         self._before = {}  # name -> time of the last row, time integrals until then
-        self._motions = {}  # name -> prescribed motion that bears it
+        self._motions = {}  # name -> prescribed motion of that name
         self._initialEnergy = None
         self._files = RowFiles(self._file)
         self._flushed = time.monotonic()
@@ -169,7 +169,7 @@ class History(Callback):
         ]
 
     def spec(self):
-        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew."""
+        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history."""
         columns = {
             name: c if isinstance(c, str) else None
             for key, c in self._columns.items()

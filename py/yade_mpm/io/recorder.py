@@ -124,7 +124,7 @@ class Recorder(Callback):
         return f"Recorder({', '.join(f'{k}={v!r}' for k, v in known.items())})"
 
     def spec(self):
-        """Dict of constructor arguments, of plain types, with which a checkpoint makes the recorder anew."""
+        """Dict of constructor arguments, of plain types, with which a checkpoint makes the recorder."""
         return dict(
             file=self._file,
             period=self.period,
@@ -146,7 +146,7 @@ class Recorder(Callback):
 
     # --- engine ---
     def bind(self, scene):
-        """Opens the file: anew with an initial frame, or to continue a run."""
+        """Opens the file: a new one with an initial frame, or one to continue a run."""
         super().bind(scene)
         if self.dead:
             return

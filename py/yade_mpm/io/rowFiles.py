@@ -24,7 +24,7 @@ class RowFiles:
     def __init__(self, file):
         self._file = file
         self._header, self._inFile = None, 0  # of the CSV file as it is,
-        self._size = None  # and its bytes: one that somebody has changed, or taken away, is written anew
+        self._size = None  # and its bytes: one that somebody has changed, or taken away, is written again
         self._recorder, self._inRecorder = None, 0
 
     isOpen = property(lambda self: self._header is not None, doc="Whether this has written the CSV file.")

@@ -117,7 +117,7 @@ def drive(
     name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
 
     byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True:
-        it is looked up anew in each step, and what sinks below 12 is let go; default False.
+        the part is found again in each step, and particles that sink below 12 move freely; default False.
     times : s, of the rows of a table that is made of a function; default None: no table.
 
     Returns the `Drive` or `Hold`, which `scene.drives` has by its name, also after `mpm.load`. `Drive` tells

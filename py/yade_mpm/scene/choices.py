@@ -37,7 +37,7 @@ def particlesFor(scene, region, material):
 
 
 def update(scene, isFinal=False):
-    """Makes the choices anew that depend on all bodies, before the first step.
+    """Makes the choices again that depend on all bodies, before the first step.
 
     isFinal : whether all bodies are there; ValueError then where the groups of contact are not clear.
     """

@@ -76,7 +76,7 @@ def _copy(body, other, numbers):
 
 
 def dropBoxes(body, numbers):
-    """Takes particles out of a body of boxes, and groups the others anew."""
+    """Takes particles out of a body of boxes, and groups the others again."""
     core, stays = body._core, np.setdiff1d(np.arange(body.count), numbers)
     left = {}
     for ofDomains in (False, True):

@@ -124,7 +124,7 @@ class _Column:
             if not rows or scene.time > rows[-1][0]:
                 rows.append(np.concatenate(([scene.time], self._state())))
 
-        note()  # forces are counted from these on, which the side bears already
+        note()  # forces count from these on, which act on the side already
         scene.engines = [PyRunner(note, period=self._every), *scene.engines]
         scene.run(until=until, progress=False)
         note()

@@ -105,14 +105,14 @@ def settle(
 
 
 def _tellOfExcess(scene):
-    """Warns of water that bears what soil will bear in the end: forces balance long before it has left."""
+    """Warns of water that carries what soil will carry in the end: forces balance long before it leaves."""
     water = waterOf(scene)
     for body in (b for b in scene.bodies if water is not None and b.count and b._core.hasPores):
         excess, scale = np.abs(water.excess(body)).max(), np.abs(body.porePressure).max()
         if excess > EXCESS * scale:
             warnUser(
                 f"settle: the water in '{body.name}' has an excess of up to {excess:.3g} kPa: where "
-                "it is not meant to flow, it bears what the soil bears in the end; begin with "
+                "it is not meant to flow, it carries what the soil carries in the end; begin with "
                 "scene.groundStress(K0=...), or let it drain"
             )
 

@@ -97,7 +97,7 @@ def viscous(
         scene.viscous("bottom", motion=mpm.geotech.readRecord("quake.csv"), behind=rock)
         scene.viscous("left", "right")
 
-    Dashpots take the place of the ground behind (Lysmer & Kuhlemeyer 1969). What a side bears when the run
+    Dashpots take the place of the ground behind (Lysmer & Kuhlemeyer 1969). The force on a side when the run
     goes on stays on it, so call this once gravity is at rest, on sides that are free; what is fixed or
     on rollers is given up for it.
 

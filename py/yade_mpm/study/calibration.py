@@ -179,7 +179,9 @@ class _Search:
             )
         points = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
         if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
-            raise ValueError(f"calibrate: the curve in {file} is not (n, 2) finite numbers; mend the scene")
+            raise ValueError(
+                f"calibrate: the curve in {file} is not (n, 2) finite numbers; correct the scene"
+            )
         x, y = _rising(points, f"the curve in {file}").T
         room = ENDS * np.ptp(x)  # where the end of the curve stands for what is just beyond
         if x.min() > self.x[0] + room or x.max() < self.x[-1] - room:

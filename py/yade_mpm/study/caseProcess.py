@@ -103,7 +103,10 @@ def _callFunctions(folder, case):
         try:
             scene = load(checkpoint)
         except (ValueError, OSError) as error:
-            print(f"the checkpoint cannot be continued, the case begins anew: {error}", file=sys.stderr)
+            print(
+                f"the checkpoint cannot be continued, the case begins from its start: {error}",
+                file=sys.stderr,
+            )
     scene = scene or build(a)
     if scene is None and (results or case["until"] is not None):
         raise TypeError(f"{build.__name__} returned None; end it with `return scene`")

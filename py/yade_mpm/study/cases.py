@@ -56,10 +56,10 @@ def _columns(where, line, delimiter):
     try:
         row = next(csv.reader([line], delimiter=delimiter)) if delimiter else shlex.split(line, comments=True)
     except (csv.Error, ValueError) as error:  # such as a quote that does not end
-        raise ValueError(f"{where}: {error}; mend the line") from None
+        raise ValueError(f"{where}: {error}; correct the line") from None
     longest = max(map(len, row), default=0)
     if longest > LONGEST:
-        raise ValueError(f"{where}: a cell has {longest} characters; mend the line")
+        raise ValueError(f"{where}: a cell has {longest} characters; correct the line")
     return row
 
 

@@ -49,7 +49,7 @@ def parser():
         "--show", type=lambda t: t.split(","), default=[], metavar="A,B", help="results in the report"
     )
     p.add_argument("--findings", metavar="FILE", help="text that the report begins with, in paragraphs")
-    p.add_argument("--report", action="store_true", help="run nothing, write table and report anew")
+    p.add_argument("--report", action="store_true", help="run nothing, write table and report again")
     yade = "write the cases as a table for yade-batch, and run nothing"
     p.add_argument("--yade-table", metavar="FILE", help=yade)
     return p

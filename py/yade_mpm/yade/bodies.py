@@ -208,7 +208,7 @@ class Bodies:
 
     def spec(self):
         """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load
-        makes it anew."""
+        makes it again."""
         return {
             **self._laws.noted(),
             "ids": self.ids,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Checkpoints while YADE runs: an engine at the head of O.engines saves all of it between two steps.
 
-There every engine of YADE has the step before it, so that a run from the file takes the whole step anew.
+There every engine of YADE has the step before it, so that a run from the file takes the whole step again.
 """
 
 import re

@@ -102,5 +102,5 @@ class Clock:
         raise RuntimeError(
             f"the clocks differ: scene.time = {self._scene.time!r} s, O.time + timeOffset = "
             f"{self._omega.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step "
-            "after the MPM engines; mend that, and call mpm.inYade(scene) again"
+            "after the MPM engines; correct that, and call mpm.inYade(scene) again"
         )

@@ -42,7 +42,7 @@ class Drawing(Look):
         except (KeyError, TypeError, ValueError) as error:
             self.drawer.dead = True
             print(
-                f"warning: the MpmDrawer of '{self.drawer.label}' is dead now ({error}); mend it, then set "
+                f"warning: the MpmDrawer of '{self.drawer.label}' is dead ({error}); correct it, then set "
                 "dead = False",
                 file=sys.stderr,
             )

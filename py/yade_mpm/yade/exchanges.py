@@ -43,7 +43,7 @@ def _contacts(coupling):
 
 
 def _once(coupling):
-    """The exchanges, each once; those kept from the last `attach` yield to Bodies made anew."""
+    """The exchanges, each once; those kept from the last `attach` yield to new Bodies."""
     exchanges = []
     for exchange in coupling.exchanges:
         if not any(exchange is e for e in exchanges):

@@ -40,7 +40,7 @@ class TimeStep:
         self.setLimits()
 
     def lookForSteppers(self):
-        """Finds the time steppers anew: the user may have changed O.engines."""
+        """Finds the time steppers again: the user may have changed O.engines."""
         self._steppers = steppersIn(self._omega.engines)
 
     def setLimits(self):

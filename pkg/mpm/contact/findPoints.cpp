@@ -17,11 +17,13 @@ constexpr double closedGap = 1e-3;
 // has crossed and is not pushed back.
 constexpr double furthest = 0.5;
 // Area of boxes that faces a vertex, over that of a face of the cell, above which they are seen well enough:
-// about half of what a node sees of a plane.
+// about half of what a node sees of a plane. Half the value changes nothing in a block that is pressed into clay,
+// with twice the value the block resists 10 % more.
 constexpr double leastFacingArea = 0.4;
 // Part of the area of a node that contact points may own before they do all that it would: at the end of a plane
 // they own half of it. Beside an edge without points they own 1/2 + 1/2k of it with k domains to a cell: 0.75 and 0.67
-// for k = 2 and 3. A limit that a regular mesh meets would leave it to round-off which nodes act.
+// for k = 2 and 3. A limit that a regular mesh meets would leave it to round-off which nodes act. With half the value
+// that block resists 1.5 % less, without a bound 11 % more.
 constexpr double mostOwned = 0.7;
 
 // Part of a mesh at a point that boxes face, below which their surface ends there.
@@ -31,7 +33,7 @@ constexpr double leastCovered = 0.75;
 constexpr double leastLeft = 1e-6;
 
 // Size of the direction of edges, see EdgeMotions, from which on they have gone their way: a twentieth of a
-// cell.
+// cell. With half the value the thrust on a sheet with its toe in soil is 3 % less, with twice the value the same.
 constexpr double onItsWay = 0.2;
 
 // Distance in cells from a plane of symmetry up to which a vertex lies on it.

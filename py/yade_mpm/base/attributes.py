@@ -24,6 +24,11 @@ def keep(guarded, **values):
     vars(guarded).update(values)
 
 
+def ofCore(name, doc):
+    """Property that the solver's object has under a name."""
+    return property(lambda self: getattr(self._core, name), doc=doc)
+
+
 class Guarded:
     """Object of which users set properties only, those that have a setter; it is neither copied nor pickled.
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.attributes import ofCore
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .engine import generated
@@ -102,26 +103,24 @@ class Contact(generated["Contact"]):
     frictionWork = property(
         lambda self: self._core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
     )
-    sliding = property(
-        lambda self: self._core.sliding, doc="Number of nodes in contact that slid in the last step."
+    sliding = ofCore("sliding", "Number of nodes in contact that slid in the last step.")
+    largestPenetration = ofCore(
+        "largestPenetration",
+        "Largest overlap of surfaces in contact in the last step, m, away from the edges of meshes.",
     )
-    largestPenetration = property(
-        lambda self: self._core.largestPenetration,
-        doc="Largest overlap of surfaces in contact in the last step, m, away from the edges of meshes.",
-    )
-    gridLoss = property(
-        lambda self: self._core.gridLoss,
-        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
+    gridLoss = ofCore(
+        "gridLoss",
+        "Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
         "(doc/theory/contact.md).",
     )
-    reduced = property(
-        lambda self: self._core.reduced,
-        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
+    reduced = ofCore(
+        "reduced",
+        "Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
         "(doc/theory/contact.md).",
     )
-    unsettled = property(
-        lambda self: self._core.unsettled,
-        doc="Number of pairs of groups whose impulses still changed when the last step ended its rounds; "
+    unsettled = ofCore(
+        "unsettled",
+        "Number of pairs of groups whose impulses still changed when the last step ended its rounds; "
         "what that means for their force: doc/explanation/implicit-bodies.md.",
     )
 

@@ -4,7 +4,7 @@
 import weakref
 
 from .. import _core
-from ..base.attributes import Attributed, makeClasses
+from ..base.attributes import Attributed, makeClasses, ofCore
 from ..base.deprecation import currentName
 
 NO_CALL = 1 << 30  # steps: more than any run takes between two looks
@@ -23,8 +23,8 @@ def belongTo(scene, part):
 class Engine(Attributed):
     """Base of all engines: `label` names one, `dead` leaves it out."""
 
-    seconds = property(lambda self: self._core.seconds, doc="Wall time spent in this engine, s.")
-    calls = property(lambda self: self._core.calls, doc="How often the engine acted.")
+    seconds = ofCore("seconds", "Wall time spent in this engine, s.")
+    calls = ofCore("calls", "How often the engine acted.")
 
     _hooks = ("bind", "flush", "restoreState", "state", "stepsToCall")
     _owner = None  # weak reference to the scene that it works for

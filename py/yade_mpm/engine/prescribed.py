@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import _core
-from ..base.attributes import Guarded, keep
+from ..base.attributes import Guarded, keep, ofCore
 from ..base.html import card, table
 from ..base.keywords import checked
 from ..base.kinds import LIST, NOT_NEGATIVE, NUMBER, takes
@@ -82,12 +82,10 @@ class Prescribed(Guarded):
         return card(f"{type(self).__name__} '{self.name}'", table(("", "value", "unit"), rows))
 
     dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
-    name = property(lambda self: self._core.name, doc="Name, used for histories.")
-    ramp = property(lambda self: self._core.ramp, doc="Time over which the velocity grows from zero, s.")
-    work = property(lambda self: self._core.work, doc="Work done on the material since the start, kJ.")
-    heldNodes = property(
-        lambda self: self._core.heldNodes, doc="Number of nodal components held in the last step."
-    )
+    name = ofCore("name", "Name, used for histories.")
+    ramp = ofCore("ramp", "Time over which the velocity grows from zero, s.")
+    work = ofCore("work", "Work done on the material since the start, kJ.")
+    heldNodes = ofCore("heldNodes", "Number of nodal components held in the last step.")
     centre = property(
         lambda self: np.array(self._core.centre)[: self.dim], doc="Point that `moment` refers to, m."
     )

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.attributes import ofCore
 from ..base.kinds import NUMBER, Kind, listOf, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats, isNumber
@@ -172,18 +173,11 @@ too."""
     angularVelocities = property(
         lambda self: self._state("angularVelocity"), doc="Angular velocities, rad/s."
     )
-    contacts = property(lambda self: self._core.contacts, doc="Number of contacts in the last step.")
-    sliding = property(lambda self: self._core.sliding, doc="Number of contacts that slid in the last step.")
-    largestPenetration = property(
-        lambda self: self._core.largestPenetration, doc="Largest overlap in the last step, m."
-    )
-    springEnergy = property(
-        lambda self: self._core.springEnergy,
-        doc="Energy in the springs of all contacts in the last step, kJ.",
-    )
-    stiffnessUsed = property(
-        lambda self: self._core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
-    )
+    contacts = ofCore("contacts", "Number of contacts in the last step.")
+    sliding = ofCore("sliding", "Number of contacts that slid in the last step.")
+    largestPenetration = ofCore("largestPenetration", "Largest overlap in the last step, m.")
+    springEnergy = ofCore("springEnergy", "Energy in the springs of all contacts in the last step, kJ.")
+    stiffnessUsed = ofCore("stiffnessUsed", "Normal stiffness per area in the last step, kPa/m.")
 
     def takeImpulses(self):
         """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3);

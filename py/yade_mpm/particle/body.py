@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.attributes import Guarded
+from ..base.attributes import Guarded, ofCore
 from ..base.deprecation import currentName
 from ..base.html import card, table
 from ..base.keywords import checked
@@ -50,22 +50,16 @@ class Body(BodyShape, Guarded):
     convertsTo = property(
         lambda self: self._convertsTo, doc="Name of the body that takes over distorted domains."
     )
-    name = property(lambda self: self._core.name, doc="Name of the body.")
-    count = property(lambda self: self._core.count, doc="Number of particles.")
-    converted = property(
-        lambda self: self._core.converted, doc="Domains converted to uGIMP particles so far."
-    )
+    name = ofCore("name", "Name of the body.")
+    count = ofCore("count", "Number of particles.")
+    converted = ofCore("converted", "Domains converted to uGIMP particles so far.")
     minJacobian = property(
         lambda self: self._core.minJacobian if self.count else np.nan,
         doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.",
     )
-    hourglassAmplitude = property(
-        lambda self: self._core.hourglass,
-        doc="Largest hourglass amplitude of the domains over their edge, -.",
-    )
-    hourglassEnergy = property(
-        lambda self: self._core.hourglassEnergy,
-        doc="Energy stored in the hourglass patterns of the domains, kJ; 0 for uGIMP.",
+    hourglassAmplitude = ofCore("hourglass", "Largest hourglass amplitude of the domains over their edge, -.")
+    hourglassEnergy = ofCore(
+        "hourglassEnergy", "Energy stored in the hourglass patterns of the domains, kJ; 0 for uGIMP."
     )
     distortedCount = property(
         lambda self: self._core.poorDomains(POOR_QUALITY)["count"],

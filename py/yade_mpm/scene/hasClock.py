@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import _core
+from ..base.attributes import ofCore
 from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..base.wording import shown
 from .running import refuseDuringStep, refuseMidStep, refuseWhileRunning
@@ -17,8 +18,8 @@ PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/
 class HasClock:
     """The part of a Scene that knows its time, its step and how many threads take it."""
 
-    time = property(lambda self: self._core.time, doc="Scene time, s.")
-    steps = property(lambda self: self._core.step, doc="Number of steps taken.")
+    time = ofCore("time", "Scene time, s.")
+    steps = ofCore("step", "Number of steps taken.")
     dtSpeed = property(
         lambda self: self.stepper.speedDt(),
         doc="Step in which what moves fastest moves 0.2 of the smallest cell, s.",

@@ -16,6 +16,8 @@ KINDS = {
     "a number": lambda f: 7,
     "a text": lambda f: "abc",
     "a list": lambda f: [1, 2],
+    "an empty list": lambda f: [],
+    "a flag": lambda f: True,
     "a dict": lambda f: {"a": 1},
     "an object": lambda f: object(),
     "a region": lambda f: f.region,

@@ -275,7 +275,7 @@ def test_section_force_of_a_settled_column_is_the_weight_above():
 
 
 def test_section_force_refuses_a_thickness_that_is_not_positive():
-    with pytest.raises(ValueError, match="thickness = 0 m is not allowed; give a positive number"):
+    with pytest.raises(ValueError, match="thickness = 0 is not allowed; give a positive number"):
         d.sectionForce(column("UGIMP")["soil"], 1.0, thickness=0)
 
 

@@ -117,8 +117,8 @@ def test_a_wrong_table_is_told_with_its_line(tmp_path, text, message):
     "content, message",
     [
         (b"phi\n0.3 \xff\n", "it is no text in UTF-8 (invalid start byte); save it as such"),
-        (b"phi  v\n0.3 'a\n", "line 2: No closing quotation; mend the line"),
-        (b"phi,v\n0.3," + b"9" * 2000 + b"\n", "line 2: a cell has 2000 characters; mend the line"),
+        (b"phi  v\n0.3 'a\n", "line 2: No closing quotation; correct the line"),
+        (b"phi,v\n0.3," + b"9" * 2000 + b"\n", "line 2: a cell has 2000 characters; correct the line"),
     ],
     ids=["bytes", "quote", "long cell"],
 )

@@ -5,7 +5,6 @@ import hashlib
 
 import numpy as np
 import yade_mpm as mpm
-from setups import chain
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, Vector3, utils
 from yade_mpm.yade import bodies
 
@@ -32,7 +31,13 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False, dt
         if isFree
         else {"hold": mpm.Hold(mpm.box((0, 0, 0), (1.2, 1.2, 0.21)), velocity=(0, 0, 0)), "damping": 0.3}
     )
-    scene.engines = chain(contact, gravity=(0, 0, 0), **held)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        contact,
+        mpm.GridSolver(gravity=(0, 0, 0), **held),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     O.bodies.append(utils.sphere((0.5, 0.6, 0.5948), 0.1))  # touches the four boxes below it
     O.bodies.append(
         polyhedron((0.75, 0.6, 0.56), (0.08, 0.1, 0.05))

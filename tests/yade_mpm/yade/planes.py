@@ -3,7 +3,6 @@
 
 import numpy as np
 import yade_mpm as mpm
-from setups import chain
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade_mpm.yade import Plane
@@ -26,7 +25,13 @@ def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
         mpm.UGIMP(perCell=2),
     )
     contact = mpm.RigidContact(checkBalance=True)
-    scene.engines = chain(contact, gravity=(0, -10), fixed="bottom")
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        contact,
+        mpm.GridSolver(gravity=(0, -10), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     turn = Quaternion(vector(0, 0, 1), 0.3)
     extents = np.abs(plane.toYade((0.2, 0.1, 0.25)))
     block = O.bodies.append(utils.box(vector(0.8, 0.65, 0), extents, orientation=turn, fixed=False))

@@ -636,7 +636,7 @@ class PythonLaw(Material):
 
 
 class RigidContact(_RigidContact):
-    """Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history."""
+    """Frictional contact of rigid bodies with all bodies of the scene: penalty or impulses, Coulomb friction with history."""
 
     friction: float | Sequence[float]
     masses: float | Sequence[float]
@@ -647,7 +647,7 @@ class RigidContact(_RigidContact):
     stiffnessFactor: float
     shearRatio: float
     normalDamping: float
-    normalLaw: Literal['penalty', 'Hertz']
+    normalLaw: Literal['rigid', 'penalty', 'Hertz']
     hertzOverlap: float | None
     checkBalance: bool
     label: str

@@ -202,7 +202,8 @@ too."""
             "stretch": column(history, "stretch"),
             "force": column(history, "force", 3),
         }
-        return {name: values[table["gap"] < 0] for name, values in table.items()}
+        pushes = (table["gap"] < 0) | table["force"].any(axis=1)
+        return {name: values[pushes] for name, values in table.items()}
 
     def _state(self, name, width=3):
         return column(self._core.value("states"), name, width)

@@ -165,11 +165,28 @@ NodalMotion nodalMotionOf(MappedVelocities<Dim>& velocities, const Body<Dim>& so
 // the box, with the weights of a force there, so that the force does work on this motion. L d less its part that
 // has a slope: half of the box is in the next cell. hats: of d.
 template <int Dim>
-Vec3 strainVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil, const NodalMotion& motion,
-                    const BoxHats<Dim>& hats, const Vec3& d) {
+Vec3 strainVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil,
+                    const RigidContactPoint& contact, const BoxHats<Dim>& hats, const Vec3& d) {
+    if (contact.bend.allFinite()) return velocityGradientOf(soil, contact.place) * d + contact.bend;
     Quad v{};
     hats.forNodes([&](int node, double H) { v += H * velocities.of(soil, node); });
-    return motion.excess * d - motion.inBox + vectorOfLanes(v);
+    return contact.motion.excess * d - contact.motion.inBox + vectorOfLanes(v);
+}
+
+// The part of it that is not L d, by the velocities that strain the box in this step. hats: of d.
+template <int Dim>
+Vec3 bendOf(const NodalField<Dim>& field, const BoxNodes<Dim>& box, const BoxHats<Dim>& hats, const Vec3& d) {
+    Vec<Dim> sum = Vec<Dim>::Zero();
+    const auto add = [&](int node, double weight) {
+        for (int k = 0; k < Dim; ++k) sum[k] += weight * field.velocityOf(node, k);
+    };
+    hats.forNodes(add);
+    for (int i = 0; i < box.count; ++i)
+        add(box.node[i], -box.gradient[i].dot(d.template head<Dim>()) - (box.inside ? 0 : box.phi[i]));
+    if (box.inside) box.inside->forNodes([&](int node, double H) { add(node, -H); });
+    Vec3 bend = Vec3::Zero();
+    bend.template head<Dim>() = sum;
+    return bend;
 }
 
 } // namespace mpm

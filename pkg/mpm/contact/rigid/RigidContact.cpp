@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Rigid bodies touch the scene by a penalty: a point (uGIMP box, boundary vertex of a mesh) that stands for
-// the area A and overlaps by -g gets
-//     F = A [(-kappa g) n - kappa_t s],   |kappa_t s| <= mu (-kappa g)
-// with the slip s of the history (Cundall & Strack 1979); adhesion adds c_a A to what friction holds. One thread does all of it, in the order of the
-// points' numbers: the same bits for any number of threads, and after a restart. RigidForce.hpp tells how it
+// Rigid bodies touch the scene at its points (uGIMP boxes, boundary vertices of meshes), by a penalty
+// (RigidPenalty.cpp) or by impulses (RigidImpulses.hpp). One thread does all of it, in the order of the points'
+// numbers: the same bits for any number of threads, and after a restart. RigidForce.hpp tells how a force
 // goes to the nodes, findRigidContacts.cpp which points overlap.
 #include "mpm/contact/rigid/RigidContact.hpp"
 
 #include "mpm/contact/rigid/RigidForce.hpp"
+#include "mpm/contact/rigid/RigidImpulses.hpp"
 #include "mpm/contact/rigid/refuseCrossed.hpp"
 
 namespace mpm {
@@ -16,10 +15,15 @@ namespace {
 
 // Largest part of an orientation out of the plane of a 2D scene: round-off of a host.
 constexpr double inPlane = 1e-9;
-constexpr double anyMass = 1e300;  // Mg/m2, no point has that much
-constexpr double softShare = 0.05; // of a cell
 
 } // namespace
+
+struct RigidContact::Step {
+    std::vector<RigidMass> masses;
+    std::tuple<MappedVelocities<2>, MappedVelocities<3>> velocities;
+    std::tuple<std::vector<Touching<2>>, std::vector<Touching<3>>> touching;
+    std::tuple<RigidImpulses<2>, RigidImpulses<3>> impulses;
+};
 
 template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     require(bodies() > 0, "RigidContact: there is no rigid body; add one with addBody(shapes=[...])");
@@ -30,6 +34,8 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     bool isAnyMeshed = false;
     for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
     makeShapes(Dim);
+    if (!step_) step_ = std::make_shared<Step>();
+    step_->masses = rigidMasses(shape_, masses, Dim);
     area_.assign(bodies(), 0.0);
     for (const RigidShape& shape : shape_) {
         require(!isAnyMeshed || !shape.isThin() || shape.thickness() > 0,
@@ -64,51 +70,6 @@ RigidPair RigidContact::pairOf(int body, int soil, int soils) const {
     if (const int row = pairs.empty() ? -1 : ownPair_[body * soils + soil]; row >= 0) return pairs[row];
     const double limit = soilFriction.empty() ? friction[body] : std::min(friction[body], soilFriction[soil]);
     return {body, soil, limit, adhesion[body]};
-}
-
-// The overlap at which the penalty would push as hard. Hertz's law p ~ d^1.5 up to an overlap d_0, where its
-// slope is that of the penalty, and straight on from there: no law is steeper than the time step resolves.
-double RigidContact::overlapFelt(double overlap) const {
-    if (overlap >= softTo_) return overlap - softTo_ / 3;
-    return 2.0 / 3 * overlap * std::sqrt(std::max(0.0, overlap) / softTo_);
-}
-
-// Its integral over the overlap, m2: the energy of the spring over its stiffness.
-double RigidContact::storedBy(double overlap) const {
-    const double felt = overlapFelt(overlap);
-    if (overlap >= softTo_) return 0.5 * felt * felt + 2.0 / 45 * softTo_ * softTo_;
-    return 0.4 * overlap * felt;
-}
-
-// kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
-// alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times
-// 1/(1 - l/h) + 4 l/h, which is the largest sum w_i^2/phi_i: a face just beyond a line of the grid.
-template <int Dim>
-double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const {
-    double least = anyMass;
-    for (auto& p : points)
-        if (p.count() > 0) least = std::min(least, p.massPerArea());
-    const double most = least / (scene.dt * scene.dt);
-    if (std::isnan(stiffness)) return stiffnessFactor * most;
-    require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ",
-            most, " for dt = ", scene.dt, " s, or lower dt");
-    return stiffness;
-}
-
-// A body of mass M that is touched on the area A answers with kappa A/M, which dt has to resolve as it does the
-// points' own kappa/(m/A): a sphere lighter than a box would leave faster than it came.
-template <int Dim>
-void RigidContact::softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points) {
-    double onePoint = 0;
-    for (auto& p : points)
-        if (p.count() > 0) onePoint = std::max(onePoint, p.largestArea());
-    bodyStiffness_.resize(bodies());
-    for (int b = 0; b < bodies(); ++b) {
-        bodyStiffness_[b] = stiffnessUsed;
-        if (!(masses[b] > 0)) continue;
-        const double massPerArea = masses[b] / std::max(area_[b], onePoint);
-        bodyStiffness_[b] = std::min(stiffnessUsed, stiffnessFactor * massPerArea / (scene.dt * scene.dt));
-    }
 }
 
 template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const {
@@ -175,15 +136,31 @@ template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Sce
     return deepest;
 }
 
+namespace {
+
+// Leaves out contacts that are over.
+template <int Dim>
+void forgetLeft(std::vector<RigidContactPoint>& contacts, std::vector<Touching<Dim>>& all) {
+    size_t kept = 0;
+    auto touching = all.begin();
+    for (size_t i = 0; i < contacts.size(); ++i) {
+        const bool stays = contacts[i].pushes() || !contacts[i].isClear;
+        if (touching != all.end() && touching->contact == int(i))
+            (touching++)->contact = stays ? int(kept) : -1;
+        if (!stays) continue;
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
+    }
+    contacts.resize(kept);
+}
+
+} // namespace
+
 template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     const Points<Dim>& points = look(scene);
     reach = reachOf(scene, points);
-    stiffnessUsed = chooseStiffness(scene, points);
-    softenForLightBodies(scene, points);
+    setPenalty(scene, points);
     pairUp(int(scene.bodies.size())); // attributes may change between two steps
-    softTo_ = normalLaw == "penalty"     ? 0
-              : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
-                                         : hertzOverlap;
     std::vector<RigidContactPoint>& contacts = contacts_;
     near_.find(scene, points, shape_, states, contacts);
     const std::vector<int> known = particlesBefore();
@@ -191,38 +168,119 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     cutHistory(scene, points, history);
     remember(contacts, history);
     fitNewBoxes(scene, points, shape_, known, contacts);
-    std::get<MappedVelocities<Dim>>(velocities_).begin(scene);
+    std::get<MappedVelocities<Dim>>(step_->velocities).begin(scene);
     forces.fill(0);
     torques.fill(0);
     largestPenetration = 0;
     sliding = 0;
     springEnergy = 0;
-    RigidBalance<Dim> balance(scene, checkBalance ? bodies() : 0);
+    auto& all = std::get<std::vector<Touching<Dim>>>(step_->touching);
+    auto& impulses = std::get<RigidImpulses<Dim>>(step_->impulses);
+    all.clear();
+    if (!isSoft()) impulses.begin(scene, states, step_->masses);
     size_t kept = 0;
-    for (RigidContactPoint& c : contacts)
-        if (mayTouch(scene, c) && touch(scene, points, c, balance)) {
-            if (&contacts[kept] != &c) contacts[kept] = c;
-            ++kept;
-        }
+    for (RigidContactPoint& c : contacts) {
+        if (!mayTouch(scene, c)) continue;
+        all.emplace_back().contact = int(kept);
+        if (!touch(scene, points, c, all.back())) all.pop_back();
+        c.bend.setConstant(notGiven); // tie() gives the next one
+        if (&contacts[kept] != &c) contacts[kept] = c;
+        ++kept;
+    }
     contacts.resize(kept);
+    if (!isSoft()) impulses.solve();
+    RigidBalance<Dim> balance(scene, checkBalance ? bodies() : 0);
+    for (Touching<Dim>& touching : all) {
+        RigidContactPoint& c = contacts[touching.contact];
+        if (isSoft())
+            takePenalty(scene, points[c.soil], touching, c);
+        else
+            takeImpulse(scene, touching, c);
+        push(scene, points[c.soil], touching, c, balance);
+    }
     if (checkBalance) balance.check(states, forces, torques);
+    forgetLeft(contacts, all);
     history.swap(contacts);
     moveOn(scene.dt);
 }
 
-// Follows one contact, and pushes where it overlaps; returns whether it stays.
+// The velocities that strain the soil, when they have been mapped back from the particles.
+template <int Dim> void RigidContact::tie(Scene<Dim>& scene) {
+    if (isSoft() || !scene.scheme->remapsSolution()) return;
+    std::get<RigidImpulses<Dim>>(step_->impulses).tie(scene);
+    for (const Touching<Dim>& touching : std::get<std::vector<Touching<Dim>>>(step_->touching)) {
+        if (touching.contact < 0 || !touching.box) continue;
+        RigidContactPoint& c = history[touching.contact];
+        c.bend = bendOf(scene.grid.fields[scene.bodies[c.soil]->velocityField], *touching.box, *touching.hats,
+                        touching.arms.normal);
+    }
+}
+
+// Follows one contact; returns whether it may push.
 template <int Dim>
-bool RigidContact::touch(Scene<Dim>& scene, const Points<Dim>& points, RigidContactPoint& c,
-                         RigidBalance<Dim>& balance) {
+bool RigidContact::touch(Scene<Dim>& scene, const Points<Dim>& all, RigidContactPoint& c,
+                         Touching<Dim>& touching) {
+    const BodyPoints<Dim>& points = all[c.soil];
     const Body<Dim>& soil = *scene.bodies[c.soil];
-    std::optional<BoxNodes<Dim>> ofBox; // a vertex has none
-    if (!soil.type->isMeshed()) ofBox.emplace(soil, scene.grid, c.place, points[c.soil].weighsByHats());
-    const BoxNodes<Dim>* box = ofBox ? &*ofBox : nullptr;
-    if (!followStrain(scene, points[c.soil], std::get<MappedVelocities<Dim>>(velocities_), box, c))
-        return false;
-    refuseCrossed(scene, points[c.soil], c, shape_[c.shape], history);
-    if (c.pushes()) push(scene, points[c.soil], box, c, balance);
-    return true;
+    auto& velocities = std::get<MappedVelocities<Dim>>(step_->velocities);
+    if (!soil.type->isMeshed()) touching.box.emplace(soil, scene.grid, c.place, points.weighsByHats());
+    followStrain(scene, points, velocities, touching.nodes(), c);
+    if (c.pushes() || !c.isClear) refuseCrossed(scene, points, c, shape_[c.shape], history);
+    if (isSoft() && !c.pushes()) return false;
+
+    const RigidState& rigid = states[c.body];
+    const int index = points.index(c.place);
+    const Vec3 n = c.normal;
+    touching.arms = {points.armAlong(n, c.stretch), -points.exitAlong(n) * std::min(c.stretch, 1.0) * n};
+    touching.at = points.position(c.place) + touching.arms.friction;
+    touching.area = points.area(c.place, n);
+    if (touching.box) touching.hats.emplace(soil, scene.grid, index, touching.arms.normal);
+    const Vec3 against = frictionVelocity(velocities, soil, c, touching.arms, touching.atSurface());
+    touching.carried = scene.dt * rigid.velocityAt(touching.at);
+    Vec3 slid = Vec3::Zero();
+    if (c.isOld())
+        slid = movedSince(scene.dt, c, against) - touching.carried;
+    else if (isSoft())
+        slid = slidSinceTouch(scene.dt, soil, index, c, against, points.position(c.place), touching.carried);
+    touching.opened = c.isOld() ? c.gap - c.gapBefore : 0;
+    touching.along = slid - slid.dot(n) * n;
+    c.slip += touching.along;
+    if (isSoft()) return true;
+    touching.site = addSite(scene, all, c, touching);
+    return touching.site >= 0 || c.pushes();
+}
+
+template <int Dim>
+int RigidContact::addSite(const Scene<Dim>& scene, const Points<Dim>& points, const RigidContactPoint& c,
+                          const Touching<Dim>& touching) {
+    const Body<Dim>& soil = *scene.bodies[c.soil];
+    const RigidPair pair = pairOf(c.body, c.soil, int(scene.bodies.size()));
+    RigidSite site;
+    site.body = c.body;
+    site.normal = c.normal;
+    site.arm = touching.at - states[c.body].position;
+    site.slip = c.slip;
+    site.impulse = scene.dt * c.forceBefore.dot(c.normal) * c.normal;
+    site.gap = c.gap;
+    site.friction = pair.friction;
+    site.borne = pair.adhesion * touching.area * scene.dt;
+    return std::get<RigidImpulses<Dim>>(step_->impulses).add(site, soil.velocityField, [&](auto&& f) {
+        forNodesOf(soil, scene.grid, points[c.soil].index(c.place), touching, f);
+    });
+}
+
+// What slid begins to stick where it is.
+template <int Dim>
+void RigidContact::takeImpulse(const Scene<Dim>& scene, Touching<Dim>& touching, RigidContactPoint& c) {
+    if (touching.site < 0) return;
+    const RigidSite& site = std::get<RigidImpulses<Dim>>(step_->impulses)[touching.site];
+    c.force = site.impulse / scene.dt;
+    touching.pushed = c.force.dot(c.normal) * c.normal;
+    touching.dragged = c.force - touching.pushed;
+    if (!site.slides) return;
+    frictionWork += touching.dragged.norm() * c.slip.norm();
+    c.slip.setZero();
+    ++sliding;
 }
 
 void RigidContact::moveOn(double dt) {
@@ -231,65 +289,42 @@ void RigidContact::moveOn(double dt) {
             impulses[b].force[k] += dt * forces.plane(k)[b];
             impulses[b].torque[k] += dt * torques.plane(k)[b];
         }
+        if (const RigidMass& mass = step_->masses[b]; !isSoft() && mass.inverse > 0) {
+            states[b].velocity += mass.inverse * dt * vectorAt<3>(forces, b);
+            states[b].angularVelocity +=
+                dt * mass.inverseInertiaAt(states[b].orientation) * vectorAt<3>(torques, b);
+        }
         states[b].advance(dt);
     }
 }
 
 // The force of one contact, on the nodes and on the rigid body.
 template <int Dim>
-void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const BoxNodes<Dim>* box,
-                        RigidContactPoint& c, RigidBalance<Dim>& balance) {
+void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const Touching<Dim>& touching,
+                        const RigidContactPoint& c, RigidBalance<Dim>& balance) {
     const Body<Dim>& soil = *scene.bodies[c.soil];
-    const RigidState& rigid = states[c.body];
     const int index = points.index(c.place);
-    const Vec3 n = c.normal;
-    const Arms arms{points.armAlong(n, c.stretch), -points.exitAlong(n) * std::min(c.stretch, 1.0) * n};
-    const Vec3 at = points.position(c.place) + arms.friction; // where the nodes find it
-    const double area = points.area(c.place, n);
-    const double kn = bodyStiffness_[c.body] * area, kt = shearRatio * kn;
-
-    std::optional<BoxHats<Dim>> ofBox;
-    if (box) ofBox.emplace(soil, scene.grid, index, arms.normal);
-    const BoxHats<Dim>* hats = ofBox ? &*ofBox : nullptr;
-
-    const bool isOld = c.isOld();
-    const Vec3 against = frictionVelocity(std::get<MappedVelocities<Dim>>(velocities_), soil, c, arms, hats);
-    const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 slid =
-        isOld ? Vec3(movedSince(scene.dt, c, against) - carried)
-              : slidSinceTouch(scene.dt, soil, index, c, against, points.position(c.place), carried);
-    const double opened = isOld ? c.gap - c.gapBefore : 0;
-    const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(c.place)) * opened / scene.dt;
-    const double normal = std::max(0.0, kn * overlapFelt(-c.gap) - viscous);
-    const Vec3 along = slid - slid.dot(n) * n;
-    c.slip += along;
-    const RigidPair pair = pairOf(c.body, c.soil, int(scene.bodies.size()));
-    const double held = pair.friction * normal + pair.adhesion * area;
-    if (const double most = held / kt, length = c.slip.norm(); length > most) {
-        frictionWork += kt * most * (length - most);
-        c.slip *= most / length;
-        ++sliding;
-    }
-    const Vec3 pushed = normal * n, dragged = -kt * c.slip;
-    c.force = pushed + dragged;
-
-    addForce(soil, index, arms, box, hats, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(c.soil, c.body, index, arms, box, hats, pushed, dragged);
-    const Vec3 torque = (at - rigid.position).cross(c.force);
+    const Vec3 &pushed = touching.pushed, &dragged = touching.dragged;
+    const auto* box = touching.nodes();
+    const auto* hats = touching.atSurface();
+    addForce(soil, index, touching.arms, box, hats, pushed, dragged,
+             scene.grid.fields[soil.velocityField].sum.data());
+    if (checkBalance) balance.add(c.soil, c.body, index, touching.arms, box, hats, pushed, dragged);
+    const Vec3 torque = (touching.at - states[c.body].position).cross(c.force);
     for (int k = 0; k < 3; ++k) {
         forces.plane(k)[c.body] -= c.force[k];
         torques.plane(k)[c.body] -= torque[k];
     }
-    springEnergy += kn * storedBy(-c.gap) + 0.5 * kt * c.slip.squaredNorm();
-    if (isOld) {
+    if (c.isOld()) {
         const Vec3 mean = 0.5 * (c.forceBefore + c.force);
-        const double ofBody = mean.dot(carried), ofSoil = ofBody + mean.dot(opened * n + along);
+        const double ofBody = mean.dot(touching.carried);
+        const double ofSoil = ofBody + mean.dot(touching.opened * c.normal + touching.along);
         bodyWork += ofBody;
         soilWork += ofSoil;
         scene.energies.loads += ofSoil;
     }
     largestPenetration = std::max(largestPenetration, -c.gap);
-    if (deep.body < 0 && -c.gap > deepShare * points.width(c.place, n))
+    if (deep.body < 0 && -c.gap > deepShare * points.width(c.place, c.normal))
         deep = {c.body, c.soil, -c.gap, scene.step};
 }
 
@@ -297,6 +332,8 @@ template void RigidContact::check<2>(Scene<2>&);
 template void RigidContact::check<3>(Scene<3>&);
 template void RigidContact::act<2>(Scene<2>&);
 template void RigidContact::act<3>(Scene<3>&);
+template void RigidContact::tie<2>(Scene<2>&);
+template void RigidContact::tie<3>(Scene<3>&);
 template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<2>&);
 template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<3>&);
 template std::vector<int> RigidContact::overlapping(Scene<2>&, int);

@@ -20,7 +20,7 @@ struct Reach {
 };
 
 template <int Dim> class RigidBalance;
-template <int Dim> struct BoxNodes;
+template <int Dim> struct Touching;
 
 // What holds between a rigid body and a body of the scene instead of what each has by itself.
 struct RigidPair {
@@ -34,7 +34,7 @@ struct RigidPair {
     }
 };
 
-class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes {
+class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, public VelocityCoupling {
   public:
     std::vector<double> friction;     // -, of each rigid body,
     std::vector<double> masses;       // Mg (2D: Mg/m), and its mass; zero: it does not yield
@@ -89,6 +89,8 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes {
     void clearImpulses() { impulses.assign(bodies(), {}); }
 
     template <int Dim> void act(Scene<Dim>& scene);
+    void couple(Scene<2>& scene) override { tie(scene); }
+    void couple(Scene<3>& scene) override { tie(scene); }
 
     // Deepest overlap of every rigid body that has one, as all stand now.
     struct Overlap {
@@ -111,8 +113,9 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes {
   private:
     template <int Dim> using Points = std::vector<BodyPoints<Dim>>; // per body of the scene
     std::tuple<Points<2>, Points<3>> points_;
-    std::tuple<MappedVelocities<2>, MappedVelocities<3>> velocities_;
     std::vector<RigidShape> shape_;
+    struct Step; // what is found in each step; keeps its memory
+    std::shared_ptr<Step> step_;
     std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
     std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
     std::vector<int> ownPair_;          // of each rigid body with each of the scene: row of pairs, or -1
@@ -130,16 +133,27 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes {
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);
+    template <int Dim> void setPenalty(const Scene<Dim>& scene, const Points<Dim>& points);
     std::vector<int> particlesBefore() const;
     template <int Dim> Points<Dim>& look(Scene<Dim>& scene);
     template <int Dim> std::vector<RigidContactPoint> findOverlaps(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     template <int Dim>
     bool touch(Scene<Dim>& scene, const Points<Dim>& points, RigidContactPoint& contact,
-               RigidBalance<Dim>& balance);
+               Touching<Dim>& touching);
     template <int Dim>
-    void push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const BoxNodes<Dim>* box,
-              RigidContactPoint& contact, RigidBalance<Dim>& balance);
+    int addSite(const Scene<Dim>& scene, const Points<Dim>& points, const RigidContactPoint& contact,
+                const Touching<Dim>& touching);
+    template <int Dim>
+    void takeImpulse(const Scene<Dim>& scene, Touching<Dim>& touching, RigidContactPoint& contact);
+    template <int Dim>
+    void takePenalty(const Scene<Dim>& scene, const BodyPoints<Dim>& points, Touching<Dim>& touching,
+                     RigidContactPoint& contact);
+    template <int Dim>
+    void push(Scene<Dim>& scene, const BodyPoints<Dim>& points, const Touching<Dim>& touching,
+              const RigidContactPoint& contact, RigidBalance<Dim>& balance);
+    template <int Dim> void tie(Scene<Dim>& scene);
+    bool isSoft() const { return normalLaw != "rigid"; }
     void moveOn(double dt);
 };
 

@@ -11,9 +11,9 @@ constexpr double unitNorm = 1e-6; // how far the norm of an orientation may be f
 } // namespace
 
 std::string RigidContact::doc() const {
-    return "Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb "
+    return "Frictional contact of rigid bodies with all bodies of the scene: penalty or impulses, Coulomb "
            "friction with history.\n\n"
-           "Force of a point with area A, gap g < 0 and slip s: A (-kappa g n - kappa_t s), "
+           "Penalty of a point with area A, gap g < 0 and slip s: A (-kappa g n - kappa_t s), "
            "friction at most mu times the\n"
            "normal part, no attraction. Points are uGIMP boxes and boundary vertices of APDI "
            "domains. Stands between\n"
@@ -57,10 +57,11 @@ std::vector<Parameter> RigidContact::attributes() {
         {"normalLaw",
          "",
          "penalty: pressure stiffness times overlap; Hertz: rises with the overlap to the power 3/2, up to "
-         "hertzOverlap, and from there on as steeply as the penalty.",
+         "hertzOverlap, and from there on as steeply as the penalty; rigid: impulses after which nothing "
+         "approaches, without stiffness, so that an impact loses energy.",
          &normalLaw,
          {},
-         {"penalty", "Hertz"}},
+         {"rigid", "penalty", "Hertz"}},
         {"hertzOverlap", "m",
          "Overlap at which Hertz's law is as steep as the penalty; left out: a twentieth of a cell.",
          &hertzOverlap, Range::positive()},

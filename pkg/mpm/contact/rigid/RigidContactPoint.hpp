@@ -24,6 +24,9 @@ struct RigidContactPoint {
     double gap = 0;            // m, negative where they overlap
     double stretch = 1;        // of a box along the normal, since it was touched
     Vec3 force = Vec3::Zero(); // kN, on the soil
+    // m/s, of the surface of a box against its centre, by the velocities of the nodes that have strained it and that
+    // contact has tied (MUSL), beyond what its velocity gradient says; not a number: not tied
+    Vec3 bend = Vec3::Constant(notGiven);
 
     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
         visit("soil", "", row.soil);
@@ -35,6 +38,7 @@ struct RigidContactPoint {
         visit("gap", "m", row.gap);
         visit("stretch", "-", row.stretch);
         visit("force", "kN", row.force);
+        visit("bend", "m/s", row.bend);
     }
 
     // Of this step only.
@@ -46,8 +50,9 @@ struct RigidContactPoint {
 
     NodalMotion motion;   // of a box
     bool isKnown = false; // whether the history has the stretch
+    bool isClear = true;  // whether a box would be, with its first thickness
 
-    bool pushes() const { return gap < 0; }
+    bool pushes() const { return gap < 0 || !force.isZero(0); }
     // Whether it pushed in the step before.
     bool isOld() const { return pointBefore.allFinite(); }
     // Which point of which body touches which rigid body.

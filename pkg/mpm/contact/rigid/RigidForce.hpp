@@ -12,6 +12,8 @@
 
 #include "mpm/contact/rigid/BoxSurface.hpp"
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
+#include "mpm/contact/rigid/RigidState.hpp"
+#include "mpm/state/cover.hpp"
 
 #include <map>
 #include <optional>
@@ -28,7 +30,7 @@ template <int Dim>
 Vec3 frictionVelocity(MappedVelocities<Dim>& velocities, const Body<Dim>& soil,
                       const RigidContactPoint& contact, const Arms& arms, const BoxHats<Dim>* hats) {
     if (!hats) return Vec3::Zero();
-    return strainVelocity(velocities, soil, contact.motion, *hats, arms.normal) +
+    return strainVelocity(velocities, soil, contact, *hats, arms.normal) +
            velocityGradientOf(soil, contact.place) * (arms.friction - arms.normal);
 }
 
@@ -53,6 +55,50 @@ Vec3 slidSinceTouch(double dt, const Body<Dim>& soil, int index, const RigidCont
     const double closed = -slid.dot(contact.normal);
     if (!(closed > 0)) return Vec3::Zero();
     return std::min(1.0, -contact.gap / closed) * slid;
+}
+
+// A point in touch, with all that its force needs: found before the force is.
+template <int Dim> struct Touching {
+    int contact = 0, site = -1;       // numbers
+    std::optional<BoxNodes<Dim>> box; // a vertex has none,
+    std::optional<BoxHats<Dim>> hats; // nor any at arms.normal
+    Arms arms;
+    Vec3 at, carried, along; // m; where the nodes find the force; moves in a step of the body, and along it
+    double area = 0, opened = 0;                        // m2 (2D: m); m since the last step
+    Vec3 pushed = Vec3::Zero(), dragged = Vec3::Zero(); // kN, on the soil along and across the normal
+
+    const BoxNodes<Dim>* nodes() const { return box ? &*box : nullptr; }
+    const BoxHats<Dim>* atSurface() const { return hats ? &*hats : nullptr; }
+};
+
+// f(node, weight of a normal force, of friction), as addForce() has them; a node as often as it comes.
+// (a vertex as if it did not hang).
+template <int Dim, class F>
+void forNodesOf(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Touching<Dim>& touching,
+                F&& f) {
+    const BoxNodes<Dim>* box = touching.nodes();
+    if (!box) {
+        int cell = 0;
+        double in[Dim];
+        for (int k = 0; k < Dim; ++k) {
+            const double x = grid.inCells(soil.domains->mesh()->vertexPositions().plane(k)[index], k);
+            cell += int(x) * grid.strides[k];
+            in[k] = x - int(x);
+        }
+        for (int a = 0; a < corners<Dim>; ++a) {
+            double S = 1;
+            for (int k = 0; k < Dim; ++k) S *= cornerSign(a, k) > 0 ? in[k] : 1 - in[k];
+            f(cornerOf(grid, cell, a), S, S);
+        }
+        return;
+    }
+    const Vec<Dim> beyond = (touching.arms.friction - touching.arms.normal).template head<Dim>();
+    for (int i = 0; i < box->count; ++i) {
+        const double phi = box->inside ? box->phi[i] : 0;
+        f(box->node[i], phi, phi + box->gradient[i].dot(beyond));
+    }
+    touching.hats->forNodes([&](int node, double H) { f(node, H, H); });
+    if (box->inside) box->inside->forNodes([&](int node, double H) { f(node, -H, -H); });
 }
 
 // Adds what nodes get of a normal and a friction force. box, hats: of a box, and at arms.normal.

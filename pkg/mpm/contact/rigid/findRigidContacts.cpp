@@ -115,6 +115,7 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
             nearest = same->normal.dot(c.normal);
             c.stretch = same->stretch;
             c.isKnown = true;
+            c.bend = same->bend;
             if (!same->pushes()) continue;
             c.slip = turned(same->slip, same->normal, c.normal);
             c.pointBefore = same->point;
@@ -175,7 +176,7 @@ void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
 }
 
 template <int Dim>
-bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
+void followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
                   const BoxNodes<Dim>* box, RigidContactPoint& c) {
     const double least = -roundOff * scene.grid.smallestCell().minCoeff();
     const Body<Dim>& soil = *scene.bodies[c.soil];
@@ -183,18 +184,17 @@ bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, Mapped
     const Vec3 shift = toStrainedPlace(scene, soil, c);
     c.point += shift;
     c.gap += c.normal.dot(shift);
-    const bool isClear = c.gap >= least; // with its first thickness
+    c.isClear = c.gap >= least;
     const double half = points.halfAlong(c.normal);
     if (c.isKnown && half > 0) {
         const Vec3 arm = points.armAlong(c.normal, c.stretch);
         const BoxHats<Dim> hats(soil, scene.grid, c.place, arm);
-        const Vec3 against = strainVelocity(velocities, soil, c.motion, hats, arm);
+        const Vec3 against = strainVelocity(velocities, soil, c, hats, arm);
         const double thicker = -c.normal.dot(against) * scene.dt;
         c.stretch = std::clamp(c.stretch + thicker / half, 0.0, 1 + BodyPoints<Dim>::mostStretch);
     }
     c.gap -= half * (c.stretch - 1);
     if (c.gap >= least) c.gap = std::max(0.0, c.gap);
-    return c.pushes() || !isClear;
 }
 
 template void NearContacts::find(const Scene<2>&, const std::vector<BodyPoints<2>>&,
@@ -209,9 +209,9 @@ template void fitNewBoxes(const Scene<2>&, const std::vector<BodyPoints<2>>&, co
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const Scene<3>&, const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
                           const std::vector<int>&, std::vector<RigidContactPoint>&);
-template bool followStrain(const Scene<2>&, const BodyPoints<2>&, MappedVelocities<2>&, const BoxNodes<2>*,
+template void followStrain(const Scene<2>&, const BodyPoints<2>&, MappedVelocities<2>&, const BoxNodes<2>*,
                            RigidContactPoint&);
-template bool followStrain(const Scene<3>&, const BodyPoints<3>&, MappedVelocities<3>&, const BoxNodes<3>*,
+template void followStrain(const Scene<3>&, const BodyPoints<3>&, MappedVelocities<3>&, const BoxNodes<3>*,
                            RigidContactPoint&);
 
 } // namespace mpm

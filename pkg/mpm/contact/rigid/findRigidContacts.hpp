@@ -64,11 +64,10 @@ template <int Dim> bool mayTouch(const Scene<Dim>& scene, const RigidContactPoin
     return contact.isKnown || contact.gap < BodyPoints<Dim>::mostShift * scene.grid.smallestCell().minCoeff();
 }
 
-// The gap where the strain has moved a point, and the surface of a box that is in touch (box: its nodes). Returns
-// whether the contact stays: it overlaps, or the box would if it had its first thickness, which comes back when it is
-// clear.
+// The gap where the strain has moved a point, and the surface of a box that is in touch (box: its nodes). The first
+// thickness of a box comes back when it is clear with it.
 template <int Dim>
-bool followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
+void followStrain(const Scene<Dim>& scene, const BodyPoints<Dim>& points, MappedVelocities<Dim>& velocities,
                   const BoxNodes<Dim>* box, RigidContactPoint& contact);
 
 } // namespace mpm

@@ -70,6 +70,25 @@ template <int Dim> class SharedCells {
     // The same, as the sum of each cell: `node` is its number.
     const std::vector<Force>& forcesOfCells() const { return ofCells_; }
 
+    // For the water in the pores of the soil, which flows as its volume changes. The takers of what flows out of a cell,
+    // with the part of each; nullptr: it keeps all. Whether a cell takes and is closed. The volume of a group at the
+    // corners of givers, m3.
+    struct Part {
+        int cell;
+        double part;
+    };
+    const std::vector<Part>* takersOf(int cell) const {
+        return givers_.empty() || giverAt_[cell] < 0 ? nullptr : &givers_[giverAt_[cell]].to;
+    }
+    bool isClosed(int cell) const {
+        const auto found = takers_.find(cell);
+        return found != takers_.end() && found->second.isClosed;
+    }
+    template <class F> void forVolumes(F&& f) const { // f(node, group, volume)
+        for (int node : nodes_)
+            for (size_t g = 0; g < volumes_.size(); ++g) f(node, int(g), volumeOf(int(g), node));
+    }
+
     // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
     void touch(int node) {
         isTouched_[node] = 1;
@@ -82,10 +101,6 @@ template <int Dim> class SharedCells {
     void restore(const std::vector<double>& cells, const std::vector<double>& gaps);
 
   private:
-    struct Part {
-        int cell;
-        double part;
-    };
     struct Taker {
         std::vector<Part> from; // what it takes of the flux of which cells
         double volume = 0;      // that is open to its soil in these, m3

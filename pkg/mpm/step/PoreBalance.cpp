@@ -39,16 +39,17 @@ std::vector<double> headAt(const std::vector<double>& rows, double face, double 
 // The unknowns.
 template <int Dim> void PoreWater::addCells(Scene<Dim>& scene, State<Dim>& state) {
     auto& system = state.system;
-    system.start(scene.grid.count);
     auto* const boxes = state.fill.wet.front().body->domains->boxes();
     system.half = boxes ? boxes->halfSize()[0] : 0;
     state.before.clear();
+    state.numbers.clear();
     for (int number : state.fill.touched()) {
         const auto& fill = state.fill[number];
         if (!(fill.saturated > 0)) continue;
-        system.addCell(scene.grid, number);
+        state.numbers.push_back(number);
         state.before.push_back(fill.excess);
     }
+    system.start(scene.grid, state.numbers);
     for (const auto& wet : state.fill.wet) addActing(state, wet);
     mirrorParts(scene, state);
     addHandingCells(scene, state);
@@ -79,12 +80,22 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
     auto& system = state.system;
     const auto& body = *wet.body;
     const bool byCells = body.fbar && body.cellAverage.actByCells();
+    state.isWhole.assign(system.unknowns, 0);
+    for (int c = 0; c < system.unknowns && byCells; ++c) {
+        const int number = system.cells[c].number;
+        const auto* average = body.cellAverage.occupied(number);
+        if (!average || average->inside < 1 || state.fill[number].dry > 0 || state.solids.isNear(number))
+            continue;
+        state.isWhole[c] = 1; // all of the body is in the soil, and full of water
+        system.cells[c].volume += average->share * average->whole;
+        system.cells[c].storage += average->share * average->whole;
+    }
     for (int p = 0; p < body.particles.size(); ++p) {
         if (!(wet.saturation[p] > 0)) continue;
         const double own = body.particles.volume.plane()[p] / wet.points.per(p);
         for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
-            if (state.solids.isNear(wet.cell[point])) continue;
             const int c = system.cellAt(wet.cell[point]);
+            if (state.isWhole[c] || state.solids.isNear(wet.cell[point])) continue;
             const auto* average = byCells ? body.cellAverage.occupied(wet.cell[point]) : nullptr;
             const double inside = average ? average->inside : 0;
             const double all = average ? average->volume : own; // of the body in the cell
@@ -117,8 +128,13 @@ template <int Dim> void PoreWater::mirrorParts(Scene<Dim>& scene, State<Dim>& st
 
 // That the pressure of a cell beside a structure acts with: the whole one away from the surface of the soil.
 template <int Dim>
-double PoreWater::actingVolume(const Grid<Dim>& grid, const State<Dim>& state, int number) {
+double PoreWater::actingVolume(const Scene<Dim>& scene, const State<Dim>& state, int number) {
+    const Grid<Dim>& grid = scene.grid;
     const double whole = grid.volume(number);
+    if (scene.sharedCells->isClosed(number))
+        for (const auto& wet : state.fill.wet)
+            if (const auto* average = wet.body->cellAverage.occupied(number); average && average->inside == 1)
+                return whole;
     const auto isFull = [&](int other) {
         return state.fill[other].saturated >
                (PoreFill<Dim>::fullFrom - state.solids.solidPart(other)) * grid.volume(other);
@@ -139,7 +155,7 @@ template <int Dim> void PoreWater::addHandingCells(const Scene<Dim>& scene, Stat
     for (int c = 0; c < system.unknowns; ++c) {
         const int number = system.cells[c].number;
         const bool isNear = state.solids.isNear(number);
-        if (isNear) system.cells[c].volume = actingVolume(grid, state, number);
+        if (isNear) system.cells[c].volume = actingVolume(scene, state, number);
         filled[c] = (isNear ? system.cells[c].volume : system.cells[c].storage) / grid.volume(number);
     }
     // Hands on what is not its own, with the room for soil.
@@ -147,21 +163,23 @@ template <int Dim> void PoreWater::addHandingCells(const Scene<Dim>& scene, Stat
         auto& cell = system.cells[c];
         const int number = cell.number;
         const double room = state.solids.openPart(number) * grid.volume(number);
-        cell.own = state.solids.forTakers(grid, state.fill, number, [&](int other, double part) {
+        const double own = state.solids.forTakers(grid, state.fill, number, [&](int other, double part) {
             const int to = system.cellAt(other);
             system.shares.push_back({c, to, part});
             if (c >= system.unknowns) cell.volume += part * filled[to] * grid.volume(number);
             system.cells[to].storage += part * room * filled[c < system.unknowns ? c : to];
         });
+        cell.own = own;
         if (c < system.unknowns) cell.storage += cell.own * room * filled[c];
     };
     for (int c = 0; c < system.unknowns; ++c)
         if (state.solids.isNear(system.cells[c].number)) hand(c);
     state.solids.forHanding(grid, state.fill, [&](int number) {
-        const size_t first = system.shares.size();
+        bool hasTaker = false;
+        state.solids.forTakers(grid, state.fill, number, [&](int, double) { hasTaker = true; });
+        if (!hasTaker) return;
         system.addHandingCell(grid, number);
         hand(int(system.cells.size()) - 1);
-        if (system.shares.size() == first) system.cells.pop_back();
     });
 }
 
@@ -199,6 +217,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                     continue;
                 }
                 const int beside = number + (side ? 1 : -1) * grid.strides[k], other = system.cellAt(beside);
+                if (other >= 0 && !side) continue; // once
                 const auto& there = state.fill[beside];
                 const double face = grid.line(k, index[k] + side);
                 const double area = edges.prod() / edges[k] * grid.thicknessAt(k == 0 ? face : own.centre[0]);
@@ -220,7 +239,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                                               thickness * edges.prod() / edges[k]});
                     continue;
                 }
-                if (!side || state.solids.isBetween(grid, state.fill, number, k)) continue; // once
+                if (state.solids.isBetween(grid, state.fill, number, k)) continue;
                 const double to = std::max(face - own.centre[k], 0.0),
                              from = std::max(there.centre[k] - face, 0.0);
                 const double way = to + from, least = leastWay * edges[k];
@@ -257,7 +276,7 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, const WaterT
     const double wall = length * grid.thicknessAt(x[0]);
     if (const double* given = atFace(inflows, face); given && wall > 0)
         system.outlets.push_back({c, 0, *given * wall, axis, side, wall});
-    const std::vector<double> level = headAt(heads, face, scene.time);
+    const std::vector<double> level = headAt(heads, face, tableTime(scene.time));
     const bool isDrained = std::find(drained.begin(), drained.end(), face) != drained.end();
     if (level.empty() && !isDrained) return;
     const double way = std::max(across, leastCover * edges[axis]);
@@ -322,7 +341,7 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     auto* const implicit = scene.template find<ImplicitBodies>();
     state.response.nodes.clear();
     for (auto& node : state.system.nodes) node.step = node.stiffStep = Vec<Dim>::Zero();
-    for (Mover& mover : state.movers) {
+    for (Mover<Dim>& mover : state.movers) {
         auto& node = state.system.nodes[mover.node];
         const auto& field = scene.grid.fields[mover.group];
         if (implicit && implicit->template moves<Dim>(mover.group, node.number)) {
@@ -330,9 +349,8 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
             state.response.nodes.push_back({mover.group, node.number});
         }
         for (int k = 0; k < Dim; ++k)
-            if (field.holder[node.number][k] < 0)
-                (mover.stiff < 0 ? node.step : node.stiffStep)[k] +=
-                    mover.part * mover.part * scene.dt / field.sum[node.number][NF::mass];
+            if (field.holder[node.number][k] < 0) mover.step[k] = scene.dt / field.sum[node.number][NF::mass];
+        (mover.stiff < 0 ? node.step : node.stiffStep) += mover.part * mover.part * mover.step;
     }
     if (!state.response.nodes.empty()) {
         implicit->place(state.response);
@@ -342,7 +360,7 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
                                                           std::vector<Vec<Dim>>& velocity) {
             findImpulses(scene, state, acting);
             implicit->answer(scene, state.response, state.impulses, state.changes);
-            for (const Mover& mover : state.movers)
+            for (const Mover<Dim>& mover : state.movers)
                 if (mover.stiff >= 0) velocity[mover.node] += mover.part * state.changes[mover.stiff];
         };
     }
@@ -351,23 +369,14 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     });
 }
 
-// On the nodes of implicit bodies.
-template <int Dim>
-void PoreWater::findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting) {
-    for (const Mover& mover : state.movers)
-        if (mover.stiff >= 0)
-            state.impulses[mover.stiff] =
-                mover.part * scene.dt * state.system.force(state.system.nodes[mover.node], acting);
-}
-
 template void PoreWater::addCells(Scene<2>& scene, State<2>& state);
 template void PoreWater::addCells(Scene<3>& scene, State<3>& state);
 template void PoreWater::addActing(State<2>& state, const WetBody<2>& wet);
 template void PoreWater::addActing(State<3>& state, const WetBody<3>& wet);
 template void PoreWater::mirrorParts(Scene<2>& scene, State<2>& state);
 template void PoreWater::mirrorParts(Scene<3>& scene, State<3>& state);
-template double PoreWater::actingVolume(const Grid<2>& grid, const State<2>& state, int number);
-template double PoreWater::actingVolume(const Grid<3>& grid, const State<3>& state, int number);
+template double PoreWater::actingVolume(const Scene<2>& scene, const State<2>& state, int number);
+template double PoreWater::actingVolume(const Scene<3>& scene, const State<3>& state, int number);
 template void PoreWater::addHandingCells(const Scene<2>& scene, State<2>& state);
 template void PoreWater::addHandingCells(const Scene<3>& scene, State<3>& state);
 template bool PoreWater::isHeld(const Scene<2>& scene, int field, int cell, int axis, int side);
@@ -386,9 +395,5 @@ template void PoreWater::findMovers(const Scene<2>& scene, State<2>& state);
 template void PoreWater::findMovers(const Scene<3>& scene, State<3>& state);
 template void PoreWater::setSteps(Scene<2>& scene, State<2>& state);
 template void PoreWater::setSteps(Scene<3>& scene, State<3>& state);
-template void PoreWater::findImpulses(const Scene<2>& scene, State<2>& state,
-                                      const std::vector<double>& acting);
-template void PoreWater::findImpulses(const Scene<3>& scene, State<3>& state,
-                                      const std::vector<double>& acting);
 
 } // namespace mpm

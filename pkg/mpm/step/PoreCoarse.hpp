@@ -56,9 +56,19 @@ template <int Dim> class PoreCoarse {
             segments_.back().last = p + 1;
         }
         firstSegment_.push_back(int(segments_.size()));
-        entries_.clear();
         count_ = count;
+        band_ = 0;
+        const int ahead = Dim == 2 ? 4 : 13; // blocks beyond one, of those round it
+        for (int s = 1; s <= ahead; ++s) {
+            int step = 0, rest = s + ahead;
+            for (int k = 0, stride = 1; k < Dim; stride *= wide[k++], rest /= 3)
+                step += (rest % 3 - 1) * stride;
+            for (int block = 0; block + step < most; ++block)
+                if (numbers_[block] >= 0 && numbers_[block + step] >= 0)
+                    band_ = std::max(band_, numbers_[block + step] - numbers_[block]);
+        }
     }
+    void clear() { entries_.clear(); }
     // What two places have of the matrix, once for both; at equal places: of the diagonal.
     void add(int a, int b, double value) {
         const int row = std::max(groups_[a], groups_[b]), column = std::min(groups_[a], groups_[b]);
@@ -68,11 +78,26 @@ template <int Dim> class PoreCoarse {
         else
             entries_.push_back({row, column, value});
     }
-    void factorise() {
-        int band = 0;
+    // Behind those.
+    void reset() {
+        int band = band_;
         for (const Entry& entry : entries_) band = std::max(band, entry.row - entry.column);
         matrix_.reset(count_, band);
         for (const Entry& entry : entries_) matrix_.at(entry.row, entry.column) += entry.value;
+    }
+    // What each place has of the matrix with the one that is a step beyond it; step 0: of the diagonal.
+    void addAll(const double* values, int step) {
+        for (const auto& [first, last, group] : segments_)
+            for (int p = first; p < last;) {
+                const int other = groups_[p + step];
+                double sum = 0;
+                for (; p < last && groups_[p + step] == other; ++p) sum += values[p];
+                if (sum == 0) continue; // where there is no other
+                const bool isOne = group == other && step != 0;
+                matrix_.at(std::max(group, other), std::min(group, other)) += isOne ? 2 * sum : sum;
+            }
+    }
+    void factorise() {
         isGood_ = matrix_.factorise();
         pressure_.assign(matrix_.padded(), 0.0);
     }
@@ -113,6 +138,7 @@ template <int Dim> class PoreCoarse {
     };
 
     int count_ = 0, width_ = leastWidth;
+    int band_ = 0; // of the sums over neighbours in the grid
     bool isGood_ = false;
     std::vector<int> groups_;  // of each place
     std::vector<int> numbers_; // of the blocks of the grid, -1: no unknown

@@ -77,17 +77,31 @@ template <int Dim> class PoreFill {
         touched_.clear();
         for (auto& one : wet) addPoints(scene.grid, one, water, isDenser);
         addStrange(scene);
-        std::sort(touched_.begin(), touched_.end());
+        sortTouched();
         for (int number : touched_) takeMeans(scene.grid, number);
     }
 
   private:
-    std::vector<Cell> cells_; // of the grid
-    std::vector<int> touched_;
+    std::vector<Cell> cells_;           // of the grid
+    std::vector<int> touched_, sorted_; // sorted_: those of the step before
 
+    // Most steps touch the same cells.
+    void sortTouched() {
+        const bool areSame = touched_.size() == sorted_.size() &&
+                             std::all_of(sorted_.begin(), sorted_.end(),
+                                         [&](int number) { return isTouched(cells_[number]); });
+        if (!areSame) {
+            sorted_ = touched_;
+            std::sort(sorted_.begin(), sorted_.end());
+        }
+        touched_ = sorted_;
+    }
+    static bool isTouched(const Cell& cell) {
+        return !(cell.saturated == 0 && cell.dry == 0 && cell.strange == 0);
+    }
     Cell& touch(int number) {
         Cell& cell = cells_[number];
-        if (cell.saturated == 0 && cell.dry == 0 && cell.strange == 0) touched_.push_back(number);
+        if (!isTouched(cell)) touched_.push_back(number);
         return cell;
     }
 
@@ -109,8 +123,10 @@ template <int Dim> class PoreFill {
             const double volume = particles.volume.plane()[p] / count;
             const Vec<Dim> at = vectorAt<Dim>(particles.position, p);
             const double there = water.pressure<Dim>(at);
-            const double change = particles.volume.plane()[p] / particles.initialVolume.plane()[p];
-            const double k = one.permeability[p] * (isDenser ? kozenyCarman(one.porosity[p], change) : 1);
+            double k = one.permeability[p];
+            if (isDenser)
+                k *= kozenyCarman(one.porosity[p],
+                                  particles.volume.plane()[p] / particles.initialVolume.plane()[p]);
             for (int point = one.points.at(p); point < one.points.at(p) + count; ++point) {
                 Cell& cell = touch(one.cell[point]);
                 if (!(one.saturation[p] > 0)) {

@@ -81,6 +81,7 @@ template <int Dim> class PoreMatrix {
     };
 
     int unknowns_ = 0;
+    int shape_ = -1;                                // of the system that there is room for
     std::vector<int> place_;                        // of each unknown
     std::vector<Run> runs_;                         // of unknowns side by side, cut at the ends of chunks
     std::vector<int> firstRun_;                     // of each chunk, and the end
@@ -97,6 +98,8 @@ template <int Dim> class PoreMatrix {
     double now_ = 0, off_ = 0, power_ = 0; // r D^-1 r; cells beyond the tolerance; d A d
 
     void makeRoom(const PoreSystem<Dim>& system, const Index<Dim>& strides) {
+        if (shape_ == system.shape) return;
+        shape_ = system.shape;
         unknowns_ = system.unknowns;
         int margin = 0;
         for (int k = 0; k < Dim; ++k) margin += strides[k];
@@ -190,11 +193,11 @@ template <int Dim> class PoreMatrix {
         for (int a = 0; a < corners<Dim>; ++a) {
             const auto& node = system.nodes[cell.corner[a]];
             if (node.isOther) continue;
-            const Vec<Dim> own = system.cornerFlow(cell, a).cwiseProduct(node.step);
+            const Vec<Dim> own = system.cornerFlow(c, a).cwiseProduct(node.step);
             for (int b = 0; b < corners<Dim>; ++b) {
                 const int step = stepTo[a][b];
                 if (step >= ahead && node.cells[b] >= 0)
-                    row[step] += own.dot(system.cornerFlow(system.cells[node.cells[b]], b));
+                    row[step] += own.dot(system.cornerFlow(node.cells[b], b));
             }
         }
         diagonal_[place_[c]] = cell.storage + cell.flow + row[ahead];
@@ -223,10 +226,7 @@ template <int Dim> class PoreMatrix {
 
     // The sums of the matrix over blocks of cells. Of implicit bodies as if each node were alone.
     void addBlocks(const PoreSystem<Dim>& system) {
-        for (int p : place_) coarse_.add(p, p, diagonal_[p]);
-        for (int s = 0; s < ahead; ++s)
-            for (int p : place_)
-                if (const double value = beyond_[s][p]; value != 0) coarse_.add(p, p + steps_[s], value);
+        coarse_.clear();
         for (size_t i = 0; i < others_.size(); ++i) {
             const auto& node = system.nodes[others_[i]];
             const Vec<Dim> step = node.step + node.stiffStep;
@@ -235,6 +235,9 @@ template <int Dim> class PoreMatrix {
                     coarse_.add(place_[byOther_[j].at], place_[byOther_[k].at],
                                 byOther_[j].flow.cwiseProduct(step).dot(byOther_[k].flow));
         }
+        coarse_.reset();
+        coarse_.addAll(diagonal_.data(), 0);
+        for (int s = 0; s < ahead; ++s) coarse_.addAll(beyond_[s].data(), steps_[s]);
         coarse_.factorise();
     }
 
@@ -243,35 +246,36 @@ template <int Dim> class PoreMatrix {
         if (!others_.empty()) findImpulses(region, system);
         region.once([&] { sum_.clear(unknowns_); });
         region.chunks(unknowns_, [&](int begin, int end) {
-            forRuns(begin, [&](int first, int last) { multiplyRun(first, last); });
-            if (ofCell_[end] > ofCell_[begin])
-                for (int c = begin; c < end; ++c)
-                    for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
-                        product_[place_[c]] += byCell_[i].flow.dot(impulse_[byCell_[i].at]);
             double sum = 0;
-            forRuns(begin, [&](int first, int last) {
-                const double *const d = direction_.data(), *const product = product_.data();
-                double own = 0;
-#pragma omp simd reduction(+ : own)
-                for (int p = first; p < last; ++p) own += d[p] * product[p];
-                sum += own;
-            });
+            forRuns(begin, [&](int first, int last) { sum += multiplyRun(first, last); });
+            for (int i = ofCell_[begin], c = begin; i < ofCell_[end]; ++i) {
+                while (ofCell_[c + 1] <= i) ++c;
+                const double more = byCell_[i].flow.dot(impulse_[byCell_[i].at]);
+                product_[place_[c]] += more;
+                sum += direction_[place_[c]] * more;
+            }
             sum_.of(begin) = sum;
         });
         region.once([&] { power_ = sum_.total(); });
     }
-    void multiplyRun(int first, int last) {
-        const double* const x = direction_.data();
+    // Without the others; returns x A x.
+    double multiplyRun(int first, int last) {
+        const double *const x = direction_.data(), *const d = diagonal_.data();
         double* const y = product_.data();
-        const double* const d = diagonal_.data();
-#pragma GCC ivdep
-        for (int p = first; p < last; ++p) y[p] = d[p] * x[p];
-        for (int s = 0; s < ahead; ++s) {
-            const int step = steps_[s];
-            const double* const a = beyond_[s].data();
-#pragma GCC ivdep
-            for (int p = first; p < last; ++p) y[p] += a[p] * x[p + step] + a[p - step] * x[p - step];
+        std::array<const double*, ahead> a;
+        for (int s = 0; s < ahead; ++s) a[s] = beyond_[s].data();
+        const std::array<int, ahead> steps = steps_;
+        double power = 0;
+#pragma omp simd reduction(+ : power)
+        for (int p = first; p < last; ++p) {
+            double sum = d[p] * x[p];
+#pragma GCC unroll 13
+            for (int s = 0; s < ahead; ++s)
+                sum += a[s][p] * x[p + steps[s]] + a[s][p - steps[s]] * x[p - steps[s]];
+            y[p] = sum;
+            power += x[p] * sum;
         }
+        return power;
     }
     void findImpulses(ParallelRegion& region, const PoreSystem<Dim>& system) {
         region.chunks(int(others_.size()), [&](int begin, int end) {

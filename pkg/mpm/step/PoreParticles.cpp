@@ -53,6 +53,10 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
             excess += state.excess[c] + state.inCells[c].slope.dot(x - state.inCells[c].centre);
         }
         wet.pressure[p] = excess / count + end.pressure<Dim>(x);
+        auto& particles = wet.body->particles;
+        const Vec<Dim> lift =
+            particles.initialVolume.plane()[p] / particles.mass.plane()[p] * buoyancy(scene, end, x);
+        for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = lift[k];
         const auto& in = state.inCells[state.system.cellAt(wet.cell[first])];
         const Vec<Dim> flow = in.flow + in.gain.cwiseProduct(x - in.lower);
         for (int k = 0; k < Dim; ++k) wet.flow[k][p] = flow[k];
@@ -70,11 +74,28 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
 }
 
 // Water has the reference pressure around all that is below the table: soil that is full of it, and what has
-// no water.
-template <int Dim> void PoreWater::liftAll(Scene<Dim>& scene, double time) {
+// no water. areWet: of the former, too, which otherwise has it from giveToParticles().
+template <int Dim> void PoreWater::liftAll(Scene<Dim>& scene, double time, bool areWet) {
     const WaterTable water = tableAt(scene, time);
-    for (auto& body : scene.bodies)
-        if (PoreState::in(body->particles) >= 0 || !table.empty()) lift(scene, *body, water);
+    for (auto& body : scene.bodies) {
+        const bool isWet = PoreState::in(body->particles) >= 0;
+        if (isWet ? areWet : !table.empty()) lift(scene, *body, water);
+    }
+}
+
+// On soil that is full of water, kN/m3: the reference pressure, and what the slope of the table drives.
+template <int Dim>
+Vec<Dim> PoreWater::buoyancy(const Scene<Dim>& scene, const WaterTable& water, const Vec<Dim>& x) {
+    Vec<Dim> force = Vec<Dim>::Zero();
+    if (!(water.pressure<Dim>(x) > 0)) return force;
+    force[Dim - 1] = water.weight;
+    if (water.isLevel()) return force;
+    const double h = scene.grid.smallestCell()[0];
+    Vec<Dim> before = x, beyond = x;
+    before[0] -= 0.5 * h;
+    beyond[0] = before[0] + h;
+    force[0] -= water.weight * ((water.level<Dim>(beyond) - water.level<Dim>(before)) / h);
+    return force;
 }
 
 // Buoyancy, and what the slope of the table drives: the body force of the reference pressure, m/s2. In a body
@@ -85,26 +106,21 @@ template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, Body<Dim>& body
     particles.needBodyForce();
     const double* const saturation =
         PoreState::in(particles) >= 0 ? WetBody<Dim>(body).saturation : nullptr; // else all is below
-    const double h = scene.grid.smallestCell()[0];
-    const auto across = [&](Vec<Dim> x, int k, double width, auto&& value) {
+    const auto across = [&](Vec<Dim> x, int k, double width) {
         x[k] -= 0.5 * width;
-        const double before = value(x);
+        const double before = water.pressure<Dim>(x);
         x[k] += width;
-        return (value(x) - before) / width;
+        return (water.pressure<Dim>(x) - before) / width;
     };
-    const auto pressure = [&](const Vec<Dim>& x) { return water.pressure<Dim>(x); };
-    const auto level = [&](const Vec<Dim>& x) { return water.level<Dim>(x); };
     const auto liftOne = [&](int p) {
         const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
         const double volume = particles.initialVolume.plane()[p];
         Vec<Dim> force = Vec<Dim>::Zero();
         if (!saturation) {
             const double width = std::pow(volume / scene.grid.thicknessAt(x[0]), 1.0 / Dim);
-            for (int k : {0, Dim - 1}) force[k] = -across(x, k, width, pressure);
-        } else if (saturation[p] > 0 && pressure(x) > 0) {
-            force[Dim - 1] = water.weight;
-            force[0] -= water.weight * across(x, 0, h, level);
-        }
+            for (int k : {0, Dim - 1}) force[k] = -across(x, k, width);
+        } else if (saturation[p] > 0)
+            force = buoyancy(scene, water, x);
         force *= volume / particles.mass.plane()[p];
         for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];
     };
@@ -116,8 +132,8 @@ template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, Body<Dim>& body
 }
 
 template void PoreWater::giveToParticles(Scene<2>& scene, State<2>& state);
-template void PoreWater::liftAll(Scene<2>& scene, double time);
+template void PoreWater::liftAll(Scene<2>& scene, double time, bool areWet);
 template void PoreWater::giveToParticles(Scene<3>& scene, State<3>& state);
-template void PoreWater::liftAll(Scene<3>& scene, double time);
+template void PoreWater::liftAll(Scene<3>& scene, double time, bool areWet);
 
 } // namespace mpm

@@ -6,9 +6,11 @@
 // and the pressure acts on each group by its share of the volume. A cell with little room for soil hands a
 // share of its flow to the cells beside it that have soil, and has the same share of their pressure. So does
 // a cell inside of a structure with soil at its corners: what the water does to a surface then acts on the
-// structure, and contact transfers effective stress alone (doc/theory/water.md).
+// structure, and contact transfers effective stress alone (doc/theory/water.md). Cells that soil with F-bar shares with
+// a structure hand on what they hand on there (scene/SharedCells.hpp): what the water lets flow is what strains the soil.
 #pragma once
 
+#include "mpm/scene/SharedCells.hpp"
 #include "mpm/step/PoreFill.hpp"
 #include "mpm/step/PoreSystem.hpp"
 
@@ -32,12 +34,14 @@ template <int Dim> class PoreSolids {
 
     void find(const Scene<Dim>& scene, int soil, const PoreFill<Dim>& fill) {
         clear();
+        shared_ = scene.sharedCells.get();
         if (scene.grid.fields.size() < 2) return;
         makeRoom(scene);
         for (auto& body : scene.bodies) // of all particles
             if (body->velocityField != soil) addVolume(*body, allOf(*body));
         findNear(scene.grid);
         addSoil(scene, fill);
+        takeShared();
         for (int node : nodes_) total_[node] = volumeAt(node); // some are there twice
         soil_ = soil;
     }
@@ -53,6 +57,15 @@ template <int Dim> class PoreSolids {
     template <class F>
     double forTakers(const Grid<Dim>& grid, const PoreFill<Dim>& fill, int cell, F&& f) const {
         const bool hasSoil = fill[cell].saturated > 0;
+        if (const auto* to = closedTakersOf(cell)) {
+            double rest = 0;
+            for (const auto& [other, part] : *to)
+                if (other == cell)
+                    rest = part;
+                else if (fill[other].saturated > 0)
+                    f(other, part);
+            return hasSoil ? rest : 0;
+        }
         const double own = hasSoil ? std::clamp((1 - solid_[cell]) / ownFrom, leastOpen, 1.0) : 0;
         if (own == 1) return 1;
         const auto weight = [&](int other) { return openPart(other) * openPart(other); };
@@ -71,7 +84,8 @@ template <int Dim> class PoreSolids {
     // corner.
     template <class F> void forHanding(const Grid<Dim>& grid, const PoreFill<Dim>& fill, F&& f) const {
         for (int cell : near_) {
-            if (fill[cell].saturated > 0 || !(solid_[cell] > PoreFill<Dim>::fullFrom)) continue;
+            const bool mayHand = closedTakersOf(cell) || solid_[cell] > PoreFill<Dim>::fullFrom;
+            if (fill[cell].saturated > 0 || !mayHand) continue;
             bool hasSoil = false;
             for (int a = 0; a < corners<Dim>; ++a) hasSoil |= volumes_[soil_][cornerOf(grid, cell, a)] > 0;
             if (hasSoil) f(cell);
@@ -79,6 +93,7 @@ template <int Dim> class PoreSolids {
     }
 
   private:
+    const SharedCells<Dim>* shared_ = nullptr;
     int soil_ = 0;
     std::vector<std::vector<double>> volumes_; // of each group at the nodes, m3
     std::vector<double> total_, hat_; // of all groups, where there is a structure; of the hat functions
@@ -143,6 +158,21 @@ template <int Dim> class PoreSolids {
             }
         }
         std::sort(near_.begin(), near_.end());
+    }
+    // Those of the shared cells, where one at least strains its soil by what it takes; nullptr: none does.
+    const std::vector<typename SharedCells<Dim>::Part>* closedTakersOf(int cell) const {
+        const auto* to = shared_->takersOf(cell);
+        const bool is = to && std::any_of(to->begin(), to->end(),
+                                          [&](const auto& part) { return shared_->isClosed(part.cell); });
+        return is ? to : nullptr;
+    }
+    // What is known there counts.
+    void takeShared() {
+        std::vector<char> isOurs(total_.size(), 0);
+        for (int node : nodes_) isOurs[node] = 1;
+        shared_->forVolumes([&](int node, int group, double volume) {
+            if (isOurs[node] && volume > 0) volumes_[group][node] = volume;
+        });
     }
     // Of the soil at all corners of those cells.
     void addSoil(const Scene<Dim>& scene, const PoreFill<Dim>& fill) {

@@ -32,17 +32,14 @@ template <int Dim> class PoreSystem {
     static constexpr int NC = corners<Dim>;
 
     struct Cell {
-        int number;         // of the grid
-        double volume = 0;  // that its pressure acts with by its corners, m3
-        double ofParts = 0; // and by the particles in it
-        // Of the hat functions of corners, 1/m, with the sign of the corner: of those before and beyond the
-        // middle along the first axis, which differ with axial symmetry.
-        std::array<Vec<Dim>, 2> slopes;
+        int number;                 // of the grid
+        double volume = 0;          // that its pressure acts with by its corners, m3
+        double ofParts = 0;         // and by the particles in it
         double storage = 0;         // C, m3/(kPa s)
         double flow = 0;            // diagonal of H, m3/(kPa s)
         double source = 0;          // what flows in at u = 0, m3/s
         double own = 1;             // part of its flow that is its unknown's
-        std::array<int, NC> corner; // number among the nodes
+        std::array<int, NC> corner; // number among the nodes, -1: not yet known
     };
     struct Node {
         int number;                            // of the grid
@@ -77,6 +74,7 @@ template <int Dim> class PoreSystem {
 
     std::vector<Cell> cells; // the first `unknowns` have one, the others only hand on
     int unknowns = 0;
+    int shape = 0;   // another number with other unknowns
     double half = 0; // of the boxes in the cells along r, m: see Grid::ringMoment()
     std::vector<Node> nodes;
     std::vector<Face> faces;
@@ -88,75 +86,79 @@ template <int Dim> class PoreSystem {
     // cells.
     std::function<void(const std::vector<double>&, std::vector<Vec<Dim>>&)> respond;
 
-    // One by one, after a new start: the cells first.
-    void start(int gridCount) {
-        for (const Cell& cell : cells) cellAt_[cell.number] = -1;
-        for (const Node& node : nodes) nodeAt_[node.number] = -1;
-        cellAt_.resize(gridCount, -1);
-        nodeAt_.resize(gridCount, -1);
-        cells.clear();
-        nodes.clear();
+    // First of all: the cells with an unknown, by their numbers. Who is beside whom is kept where they are those of
+    // the step before.
+    void start(const Grid<Dim>& grid, const std::vector<int>& numbers) {
+        leave(unknowns, ownNodes_);
         faces.clear();
         outlets.clear();
         parts.clear();
         shares.clear();
         respond = nullptr;
-        unknowns = 0;
-    }
-    Cell& addCell(const Grid<Dim>& grid, int number) {
-        cellAt_[number] = unknowns++;
-        return addHandingCell(grid, number);
+        if (isOf(grid, numbers)) {
+            for (Cell& cell : cells) {
+                cell.volume = cell.ofParts = cell.storage = cell.flow = cell.source = 0;
+                cell.own = 1;
+            }
+            return;
+        }
+        leave(0, 0);
+        cellAt_.resize(grid.count, -1);
+        nodeAt_.resize(grid.count, -1);
+        for (int number : numbers) {
+            cellAt_[number] = int(cells.size());
+            addHandingCell(grid, number);
+        }
+        unknowns = int(cells.size());
+        addCorners(grid, 0);
+        ownNodes_ = int(nodes.size());
+        keptHalf_ = half;
+        ++shape;
     }
     // Behind all others.
     Cell& addHandingCell(const Grid<Dim>& grid, int number) {
         Cell& cell = cells.emplace_back();
         cell.number = number;
-        const Vec<Dim> edges = grid.edges(number);
+        cell.corner.fill(-1);
+        const Vec<Dim> overEdges = (2.0 / NC) * grid.edges(number).cwiseInverse();
+        auto& slopes = slopes_.emplace_back();
         for (int side = 0; side < 2; ++side)
-            cell.slopes[side] = (2.0 / NC) * edges.cwiseInverse().cwiseProduct(grid.volumeSlopes(
-                                                 number, number + side * grid.strides[0], half));
+            slopes[side] =
+                overEdges.cwiseProduct(grid.volumeSlopes(number, number + side * grid.strides[0], half));
         return cell;
     }
     int cellAt(int number) const { return cellAt_[number]; }
-    // Those of all cells.
+    // Those of handing cells and of parts.
     void addNodes(const Grid<Dim>& grid) {
-        for (int c = 0; c < int(cells.size()); ++c)
-            for (int a = 0; a < NC; ++a) {
-                const int at = addNode(cornerOf(grid, cells[c].number, a));
-                nodes[at].cells[a] = c;
-                cells[c].corner[a] = at;
-            }
+        addCorners(grid, unknowns);
         for (Part& part : parts) part.node = addNode(part.node);
         sortParts();
     }
-    // Once all is known: who is beside whom.
+    // Once all is known.
     void finish() {
-        beside_.assign(unknowns, {});
-        for (auto& list : beside_) list.fill({-1, 0});
-        std::vector<int> count(unknowns, 0);
         for (const Face& face : faces) {
             cells[face.before].flow += face.conductance;
             cells[face.beyond].flow += face.conductance;
             cells[face.before].source -= face.drive;
             cells[face.beyond].source += face.drive;
-            beside_[face.before][count[face.before]++] = {face.beyond, face.conductance};
-            beside_[face.beyond][count[face.beyond]++] = {face.before, face.conductance};
         }
         for (const Outlet& outlet : outlets) {
             cells[outlet.cell].flow += outlet.conductance;
             cells[outlet.cell].source += outlet.source;
         }
+        flows_.resize(cells.size());
+        for (size_t c = 0; c < cells.size(); ++c)
+            for (int a = 0; a < NC; ++a) {
+                const Vec<Dim>& slope = slopes_[c][cornerSign(a, 0) > 0];
+                for (int k = 0; k < Dim; ++k) flows_[c][a][k] = cornerSign(a, k) * cells[c].volume * slope[k];
+            }
         flow_.resize(cells.size());
         ofShare_.assign(cells.size() + 1, 0);
         for (const Share& share : shares) ++ofShare_[share.from + 1];
         for (size_t c = 0; c < cells.size(); ++c) ofShare_[c + 1] += ofShare_[c];
     }
     // Of B what a corner has of a cell, m2.
-    Vec<Dim> cornerFlow(const Cell& cell, int corner) const {
-        Vec<Dim> flow = cell.volume * slopeAt(cell, corner);
-        for (int k = 0; k < Dim; ++k) flow[k] *= cornerSign(corner, k);
-        return flow;
-    }
+    const Vec<Dim>& cornerFlow(int cell, int corner) const { return flows_[cell][corner]; }
     // f(unknown, flow): all of B that a node has; an unknown may come several times.
     template <class F> void forFlows(int node, F&& f) const {
         const auto hand = [&](int c, const Vec<Dim>& flow) {
@@ -164,7 +166,7 @@ template <int Dim> class PoreSystem {
             for (int i = ofShare_[c]; i < ofShare_[c + 1]; ++i) f(shares[i].to, shares[i].part * flow);
         };
         for (int a = 0; a < NC; ++a)
-            if (const int c = nodes[node].cells[a]; c >= 0) hand(c, cornerFlow(cells[c], a));
+            if (const int c = nodes[node].cells[a]; c >= 0) hand(c, cornerFlow(c, a));
         for (int i = ofNode_[node]; i < ofNode_[node + 1]; ++i)
             hand(parts[byNode_[i]].cell, parts[byNode_[i]].flow);
     }
@@ -204,20 +206,18 @@ template <int Dim> class PoreSystem {
             const Part& part = parts[byNode_[i]];
             f += acting[part.cell] * part.flow;
         }
-        for (int a = 0; a < NC; ++a) {
-            const int c = node.cells[a];
-            if (c < 0) continue;
-            for (int k = 0; k < Dim; ++k)
-                f[k] += cornerSign(a, k) * slopeAt(cells[c], a)[k] * (cells[c].volume * acting[c]);
-        }
+        for (int a = 0; a < NC; ++a)
+            if (const int c = node.cells[a]; c >= 0) f += acting[c] * flows_[c][a];
         return f;
     }
     // y = H u, m3/s
-    double flowAway(int c, const std::vector<double>& u) const {
-        double sum = cells[c].flow * u[c];
-        for (const auto& [other, conductance] : beside_[c])
-            if (other >= 0) sum -= conductance * u[other];
-        return sum;
+    void flowAway(const std::vector<double>& u, std::vector<double>& y) const {
+        y.resize(unknowns);
+        for (int c = 0; c < unknowns; ++c) y[c] = cells[c].flow * u[c];
+        for (const Face& face : faces) {
+            y[face.before] -= face.conductance * u[face.beyond];
+            y[face.beyond] -= face.conductance * u[face.before];
+        }
     }
     // The flow along the axes through both faces of each cell, at u.
     void findSpeeds(const std::vector<double>& u) {
@@ -235,8 +235,30 @@ template <int Dim> class PoreSystem {
     }
 
   private:
-    static const Vec<Dim>& slopeAt(const Cell& cell, int corner) {
-        return cell.slopes[cornerSign(corner, 0) > 0];
+    // Leaves the first cells and nodes.
+    void leave(int someCells, int someNodes) {
+        for (int c = someCells; c < int(cells.size()); ++c) {
+            if (c < unknowns) cellAt_[cells[c].number] = -1;
+            for (int a = 0; a < NC; ++a)
+                if (cells[c].corner[a] >= 0) nodes[cells[c].corner[a]].cells[a] = -1;
+        }
+        for (int n = someNodes; n < int(nodes.size()); ++n) nodeAt_[nodes[n].number] = -1;
+        cells.resize(someCells);
+        slopes_.resize(someCells);
+        nodes.resize(someNodes);
+    }
+    bool isOf(const Grid<Dim>& grid, const std::vector<int>& numbers) const {
+        return int(cellAt_.size()) == grid.count && half == keptHalf_ && numbers.size() == cells.size() &&
+               std::equal(cells.begin(), cells.end(), numbers.begin(),
+                          [](const Cell& cell, int number) { return cell.number == number; });
+    }
+    void addCorners(const Grid<Dim>& grid, int first) {
+        for (int c = first; c < int(cells.size()); ++c)
+            for (int a = 0; a < NC; ++a) {
+                const int at = addNode(cornerOf(grid, cells[c].number, a));
+                nodes[at].cells[a] = c;
+                cells[c].corner[a] = at;
+            }
     }
     int addNode(int number) {
         int& at = nodeAt_[number];
@@ -273,20 +295,24 @@ template <int Dim> class PoreSystem {
     std::vector<int> cellAt_, nodeAt_; // of the grid; -1: none
     std::vector<int> ofCell_, ofNode_; // first part of each, and the end
     std::vector<int> byNode_;          // parts, by their node
-    std::vector<std::array<std::pair<int, double>, 2 * Dim>> beside_;
-    std::vector<int> ofShare_; // first share from each cell, and the end
-    std::vector<double> flow_; // of all cells
+    int ownNodes_ = 0;                 // of the cells with an unknown
+    double keptHalf_ = 0;              // `half` when they were found, m
+    // Of the hat functions of corners in each cell, 1/m, with the sign of the corner: of those before and beyond the
+    // middle along the first axis, which differ with axial symmetry.
+    std::vector<std::array<Vec<Dim>, 2>> slopes_;
+    std::vector<std::array<Vec<Dim>, NC>> flows_; // of B what the corners have of each cell, m2
+    std::vector<int> ofShare_;                    // first share from each cell, and the end
+    std::vector<double> flow_;                    // of all cells
 
     // Of the mean velocity gradients L of the cell and of the particles in it, V (det(1 + L dt) - 1)/dt.
     double flowOf(int c, const std::vector<Vec<Dim>>& velocity, double dt) const {
         Mat<Dim> ofCell = Mat<Dim>::Zero(), ofParts = Mat<Dim>::Zero(); // V L
-        for (int a = 0; a < NC; ++a)
-            for (int k = 0; k < Dim; ++k)
-                ofCell.col(k) += cells[c].volume * cornerSign(a, k) * slopeAt(cells[c], a)[k] *
-                                 velocity[cells[c].corner[a]];
+        for (int a = 0; a < NC; ++a) ofCell += velocity[cells[c].corner[a]] * flows_[c][a].transpose();
+        const double own = grown(ofCell, cells[c].volume, dt);
+        if (ofCell_[c] == ofCell_[c + 1]) return own;
         for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
             ofParts += velocity[parts[i].node] * parts[i].flow.transpose();
-        return grown(ofCell, cells[c].volume, dt) + grown(ofParts, cells[c].ofParts, dt);
+        return own + grown(ofParts, cells[c].ofParts, dt);
     }
     // By the invariants of L, which lose no digits where it is small.
     static double grown(const Mat<Dim>& rate, double volume, double dt) {

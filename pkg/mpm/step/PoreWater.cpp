@@ -53,6 +53,9 @@ std::vector<Parameter> PoreWater::attributes() {
         {"iterations", "", "Iterations of the last step.", &iterations},
         {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
         {"inflow", "m3/s", "What entered it.", &inflow},
+        {"waits", "", "Its tables wait, while the scene settles.", &waits},
+        {"waitsAt", "s", "Where they wait.", &waitsAt},
+        {"waited", "s", "What settle took: by that the tables run late.", &waited},
         {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt},
         {"changes", "kPa", "Rows (cell, change of its pressure in the first and in the second solution).",
          &changes}};
@@ -126,10 +129,11 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
         if (PoreState::in(body->particles) >= 0 || body->velocityField != state.field)
             checkSizes(scene, *body);
-    liftAll(scene, scene.time);
+    liftAll(scene, scene.time, true);
 }
 
-template <int Dim> WaterTable PoreWater::tableAt(const Scene<Dim>& scene, double time) const {
+template <int Dim> WaterTable PoreWater::tableAt(const Scene<Dim>& scene, double sceneTime) const {
+    const double time = tableTime(sceneTime);
     WaterTable water{table, -density * gravityOf(scene)[Dim - 1]};
     const std::vector<double> now =
         levels.empty() ? std::vector<double>() : rowAt(levels, 1 + table.size() / 2, time);
@@ -159,11 +163,11 @@ template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     state.system.finish();
     findMovers(scene, state);
     state.system.findActing(state.before, state.acting);
-    for (const Mover& mover : state.movers) {
+    for (Mover<Dim>& mover : state.movers) {
         const auto& node = state.system.nodes[mover.node];
-        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
+        mover.force = mover.part * state.system.force(node, state.acting);
         auto& sum = scene.grid.fields[mover.group].sum[node.number];
-        for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum, k, force[k]);
+        for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum, k, mover.force[k]);
     }
 }
 
@@ -173,10 +177,14 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     if (state.fill.wet.empty()) return;
     auto& system = state.system;
     iterations = 0;
-    for (auto* vector : {&state.right, &state.residual, &state.flow}) vector->resize(system.unknowns);
+    for (auto* vector : {&state.given, &state.right, &state.residual, &state.flow})
+        vector->resize(system.unknowns);
+    system.flowAway(state.before, state.away);
+    for (int c = 0; c < system.unknowns; ++c)
+        state.given[c] = system.cells[c].source - state.away[c] - state.owed[system.cells[c].number];
     setSteps(scene, state);
     state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
-    for (const Mover& mover : state.movers) {
+    for (const Mover<Dim>& mover : state.movers) {
         const auto& motion = scene.grid.fields[mover.group].motion[system.nodes[mover.node].number];
         for (int k = 0; k < Dim; ++k) state.velocity[mover.node][k] += mover.part * motion[k];
     }
@@ -184,7 +192,7 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     state.excess = state.before;
     closeBalance(scene, state, 0);
     accelerate(scene, state);
-    addWork(scene, state);
+    if (!state.response.nodes.empty()) moveStiff(scene, state);
 }
 
 // The change of the pressure with which the balance closes for the velocity that is there. It begins with
@@ -193,17 +201,20 @@ template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& s
     auto& system = state.system;
     parallel(scene.threads,
              [&](ParallelRegion& region) { system.flowOut(region, state.velocity, scene.dt, state.flow); });
-    for (int c = 0; c < system.unknowns; ++c) {
-        const auto& cell = system.cells[c];
-        state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +
-                           system.flowAway(c, state.excess) - cell.source + state.owed[cell.number]);
-    }
     auto& last = state.guesses[solution];
-    for (int c = 0; c < system.unknowns; ++c) state.change[c] = last[system.cells[c].number];
+    for (int c = 0; c < system.unknowns; ++c) {
+        state.right[c] = state.given[c] - state.flow[c];
+        state.change[c] = last[state.numbers[c]];
+    }
     solve(scene, state, state.change);
     for (int c = 0; c < system.unknowns; ++c) {
         state.excess[c] += state.change[c];
-        last[system.cells[c].number] = state.change[c];
+        last[state.numbers[c]] = state.change[c];
+    }
+    if (solution == 0) { // as the other one finds it
+        system.flowAway(state.change, state.away);
+        for (int c = 0; c < system.unknowns; ++c)
+            state.given[c] -= system.cells[c].storage * state.change[c] + state.away[c];
     }
     system.findActing(state.change, state.acting);
 }
@@ -222,18 +233,29 @@ template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, s
     iterations += needed;
 }
 
-// What the change of the pressure does to the motion of the nodes, and to what holds them.
+// On the nodes of implicit bodies.
+template <int Dim>
+void PoreWater::findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting) {
+    for (const Mover<Dim>& mover : state.movers)
+        if (mover.stiff >= 0)
+            state.impulses[mover.stiff] =
+                mover.part * scene.dt * state.system.force(state.system.nodes[mover.node], acting);
+}
+
+// What the change of the pressure does to the motion of the nodes, and to what holds them; and the work of all of it.
 template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& state) {
     using NF = NodalField<Dim>;
     const Vec<Dim> gravity = gravityOf(scene);
-    for (const Mover& mover : state.movers) {
+    for (Mover<Dim>& mover : state.movers) {
         const auto& node = state.system.nodes[mover.node];
         auto& field = scene.grid.fields[mover.group];
         const auto& sum = field.sum[node.number];
         const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
+        mover.force += force;
         auto& motion = field.motion[node.number];
         for (int k = 0; k < Dim; ++k) {
-            if (const int holder = field.holder[node.number][k]; holder >= 0) {
+            if (mover.step[k] == 0) {
+                const int holder = field.holder[node.number][k];
                 Constraint& constraint = *scene.constraints[holder];
                 addReaction<Dim>(scene.grid.nodePosition(node.number), constraint.centre, k, -force[k],
                                  constraint.reaction, constraint.moment);
@@ -242,34 +264,33 @@ template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& sta
                 continue;
             }
             if (mover.stiff >= 0) continue;
-            const double more = scene.dt / sum[NF::mass] * force[k];
+            const double more = mover.step[k] * force[k];
             motion.set(NF::acceleration + k, motion[NF::acceleration + k] + more / scene.dt);
             motion.set(k, motion[k] + more);
-            scene.energies.gravity += sum[NF::weightMass] * gravity[k] * 0.5 * more * scene.dt;
+            if (gravity[k] != 0)
+                scene.energies.gravity += sum[NF::weightMass] * gravity[k] * 0.5 * more * scene.dt;
         }
+        if (mover.stiff < 0) addWork(scene, mover, node.number);
     }
-    if (state.response.nodes.empty()) return;
-    findImpulses(scene, state, state.acting);
-    const std::vector<Vec<Dim>> none(state.impulses.size(), Vec<Dim>::Zero());
-    scene.template find<ImplicitBodies>()->take(scene, state.response, state.impulses, none);
 }
 
 // Of all of the pressure.
-template <int Dim> void PoreWater::addWork(Scene<Dim>& scene, State<Dim>& state) {
-    using NF = NodalField<Dim>;
-    state.system.findActing(state.excess, state.acting);
-    for (const Mover& mover : state.movers) {
-        const auto& node = state.system.nodes[mover.node];
-        auto& field = scene.grid.fields[mover.group];
-        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
-        for (int k = 0; k < Dim; ++k) {
-            const int holder = field.holder[node.number][k];
-            const double own = NF::velocityAtStart(field.sum[node.number], k);
-            const double mean =
-                holder >= 0 ? scene.heldMean(holder, k, own) : 0.5 * (own + field.motion[node.number][k]);
-            scene.energies.loads += force[k] * mean * scene.dt;
-        }
+template <int Dim> void PoreWater::addWork(Scene<Dim>& scene, const Mover<Dim>& mover, int number) {
+    const auto& field = scene.grid.fields[mover.group];
+    for (int k = 0; k < Dim; ++k) {
+        const double own = NodalField<Dim>::velocityAtStart(field.sum[number], k);
+        const double mean = mover.step[k] == 0 ? scene.heldMean(field.holder[number][k], k, own)
+                                               : 0.5 * (own + field.motion[number][k]);
+        scene.energies.loads += mover.force[k] * mean * scene.dt;
     }
+}
+
+template <int Dim> void PoreWater::moveStiff(Scene<Dim>& scene, State<Dim>& state) {
+    findImpulses(scene, state, state.acting);
+    const std::vector<Vec<Dim>> none(state.impulses.size(), Vec<Dim>::Zero());
+    scene.template find<ImplicitBodies>()->take(scene, state.response, state.impulses, none);
+    for (const Mover<Dim>& mover : state.movers)
+        if (mover.stiff >= 0) addWork(scene, mover, state.system.nodes[mover.node].number);
 }
 
 // Once more with the velocity that strains the soil, behind Contact: the balance of water closes for what the
@@ -280,7 +301,7 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     if (state.fill.wet.empty()) return;
     auto& system = state.system;
     state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
-    for (const Mover& mover : state.movers) {
+    for (const Mover<Dim>& mover : state.movers) {
         const auto& field = scene.grid.fields[mover.group];
         const int number = system.nodes[mover.node].number;
         for (int k = 0; k < Dim; ++k)
@@ -288,22 +309,20 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
                 mover.part * (mover.stiff < 0 ? field.velocityOf(number, k) : field.motion[number][k]);
     }
     closeBalance(scene, state, 1);
-    for (const Mover& mover : state.movers) {
+    for (const Mover<Dim>& mover : state.movers) {
         if (mover.stiff >= 0) continue;
         const auto& node = system.nodes[mover.node];
         auto& field = scene.grid.fields[mover.group];
-        const double step = mover.part * scene.dt / field.sum[node.number][NodalField<Dim>::mass];
-        const Vec<Dim> more = step * system.force(node, state.acting);
+        const Vec<Dim> more = mover.part * mover.step.cwiseProduct(system.force(node, state.acting));
         for (int k = 0; k < Dim; ++k)
-            if (field.holder[node.number][k] < 0)
-                field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
+            if (more[k] != 0) field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
     }
     if (!state.response.nodes.empty()) {
         findImpulses(scene, state, state.acting);
         scene.template find<ImplicitBodies>()->strain(scene, state.response, state.impulses);
     }
-    std::fill(state.owed.begin(), state.owed.end(), 0.0);
-    for (int c = 0; c < system.unknowns; ++c) state.owed[system.cells[c].number] = -state.residual[c];
+    for (size_t i = 0; i + 1 < debt.size(); i += 2) state.owed[int(debt[i])] = 0;
+    for (int c = 0; c < system.unknowns; ++c) state.owed[state.numbers[c]] = -state.residual[c];
     keepForNext(state);
     outflow = inflow = 0;
     for (const auto& outlet : system.outlets) {
@@ -311,20 +330,25 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
         (out > 0 ? outflow : inflow) += std::abs(out);
     }
     giveToParticles(scene, state);
-    liftAll(scene, scene.time + scene.dt);
+    liftAll(scene, scene.time + scene.dt, false);
 }
 
 // What a checkpoint has to know.
 template <int Dim> void PoreWater::keepForNext(const State<Dim>& state) {
-    debt.clear();
-    changes.clear();
+    debt.resize(2 * state.system.unknowns);
+    changes.resize(3 * state.system.unknowns);
     for (int c = 0; c < state.system.unknowns; ++c) {
-        const int number = state.system.cells[c].number;
-        debt.insert(debt.end(), {double(number), -state.residual[c]});
-        changes.insert(changes.end(), {double(number), state.guesses[0][number], state.guesses[1][number]});
+        const int number = state.numbers[c];
+        debt[2 * c] = changes[3 * c] = number;
+        debt[2 * c + 1] = -state.residual[c];
+        for (int k = 0; k < 2; ++k) changes[3 * c + 1 + k] = state.guesses[k][number];
     }
 }
 
+template void PoreWater::findImpulses(const Scene<2>& scene, State<2>& state,
+                                      const std::vector<double>& acting);
+template void PoreWater::findImpulses(const Scene<3>& scene, State<3>& state,
+                                      const std::vector<double>& acting);
 template void PoreWater::act(Scene<2>&);
 template void PoreWater::act(Scene<3>&);
 template WaterTable PoreWater::tableAt(const Scene<2>& scene, double time) const;

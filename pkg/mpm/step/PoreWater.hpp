@@ -19,6 +19,8 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0, inflow = 0;
     int iterations = 0;
     bool sealed = false, kozenyCarman = false;
+    bool waits = false;             // its tables, while the scene settles,
+    double waitsAt = 0, waited = 0; // where they are then, and how much later than the scene they run, s
 
     std::string className() const override { return "PoreWater"; }
     bool needsOneField() const override { return true; }
@@ -36,10 +38,12 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
 
   private:
     // A group that moves a node of the system, by its part of the volume there.
-    struct Mover {
+    template <int Dim> struct Mover {
         int node, group;
         double part;
-        int stiff = -1; // place in the response of implicit bodies, -1: none of theirs
+        int stiff = -1;                    // place in the response of implicit bodies, -1: none of theirs
+        Vec<Dim> step = Vec<Dim>::Zero();  // dt over the mass where it may move, else 0, s/Mg
+        Vec<Dim> force = Vec<Dim>::Zero(); // of the pressure on it, kN
     };
     // Excess and flow in a cell, both linear.
     template <int Dim> struct InCell {
@@ -51,19 +55,23 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
         PoreMatrix<Dim> matrix;
         PoreFill<Dim> fill;
         PoreSolids<Dim> solids;
-        std::vector<Mover> movers; // in the order of the nodes
+        std::vector<int> numbers;       // of the cells with an unknown
+        std::vector<char> isWhole;      // of these, whether a body acts there by the cell alone
+        std::vector<Mover<Dim>> movers; // in the order of the nodes
         ImpulseResponse<Dim> response;
-        std::vector<Vec<Dim>> impulses, changes;                           // of the nodes that respond
-        std::vector<Vec<Dim>> velocity;                                    // of the nodes of the system
-        std::vector<double> before, excess, change, right, residual, flow; // of the unknowns
-        std::vector<double> acting;                                        // of the cells of the system
-        std::vector<double> owed;                                          // of each cell of the grid
+        std::vector<Vec<Dim>> impulses, changes;                    // of the nodes that respond
+        std::vector<Vec<Dim>> velocity;                             // of the nodes of the system
+        std::vector<double> before, excess, change, residual, flow; // of the unknowns
+        std::vector<double> given, right, away; // what the balance has besides the flow of the soil, and sums
+        std::vector<double> acting;             // of the cells of the system
+        std::vector<double> owed;               // of each cell of the grid
         std::array<std::vector<double>, 2> guesses; // of the changes in both solutions, of each cell
         std::vector<InCell<Dim>> inCells;           // of the unknowns
         int field = 0;
     };
     std::tuple<State<2>, State<3>> states_;
 
+    double tableTime(double time) const { return waits ? waitsAt : time - waited; }
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> static void checkSizes(const Scene<Dim>& scene, const Body<Dim>& body);
     template <int Dim> WaterTable tableAt(const Scene<Dim>& scene, double time) const;
@@ -72,7 +80,8 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> static void addActing(State<Dim>& state, const WetBody<Dim>& wet);
     template <int Dim> static void mirrorParts(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void addHandingCells(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> static double actingVolume(const Grid<Dim>& grid, const State<Dim>& state, int number);
+    template <int Dim>
+    static double actingVolume(const Scene<Dim>& scene, const State<Dim>& state, int number);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim>
@@ -87,13 +96,16 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution);
     template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u);
     template <int Dim> void accelerate(Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> void addWork(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void addWork(Scene<Dim>& scene, const Mover<Dim>& mover, int number);
+    template <int Dim> void moveStiff(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void keepForNext(const State<Dim>& state);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
     template <int Dim> InCell<Dim> inCell(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
-    template <int Dim> void liftAll(Scene<Dim>& scene, double time);
+    template <int Dim> void liftAll(Scene<Dim>& scene, double time, bool areWet);
+    template <int Dim>
+    static Vec<Dim> buoyancy(const Scene<Dim>& scene, const WaterTable& water, const Vec<Dim>& x);
     template <int Dim> void lift(const Scene<Dim>& scene, Body<Dim>& body, const WaterTable& water);
 };
 

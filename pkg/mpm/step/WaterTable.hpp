@@ -14,8 +14,10 @@ struct WaterTable {
     std::vector<double> rows; // (x, level), m, linear between them; empty: no table
     double weight;            // of water, kN/m3; 0 without gravity
 
+    bool isLevel() const { return rows.size() <= 2; }
     template <int Dim> double level(const Vec<Dim>& x) const {
         if (rows.empty()) return -std::numeric_limits<double>::infinity();
+        if (rows.size() == 2) return rows[1];
         size_t next = 0;
         while (next < rows.size() && rows[next] <= x[0]) next += 2;
         const size_t above = std::min(next, rows.size() - 2), below = next > 0 ? next - 2 : 0;

@@ -67,7 +67,7 @@ STATES = {
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
     "ViscousBoundary": ("held", "work", "column", "dashpots"),
-    "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes"),
+    "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes", "waits", "waitsAt", "waited"),
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",

@@ -8,6 +8,7 @@ from asModules import TESTS, moduleOf
 from inputs import cases, refused
 from setups import restarted
 from yade_mpm import box
+from yade_mpm.engine.poreWater import waterOf
 
 WELLS = moduleOf(TESTS / "verification" / "test_water_wells.py")
 K = WELLS.K
@@ -61,9 +62,43 @@ def test_a_table_may_change_its_shape_and_be_given_anew():
     assert water.level(at, 10) == pytest.approx([1.5] * 3)
 
 
+def test_tables_wait_while_the_ground_settles():
+    """Once used up there without a word: the level was 0.8 m behind settle."""
+    scene, _ = column(table={0: 1.3, 0.06: 1.3, 0.16: 0.8}, heads={"left": {0: 1.3, 0.06: 1.3, 0.16: 0.8}})
+    soil, water, before = scene.bodies[0], waterOf(scene), scene.time
+    scene.settle(progress=False)
+    taken = scene.time - before
+    assert taken > 0.1 and water.waited == pytest.approx(taken)
+    assert soil.porePressure == pytest.approx(9.81 * np.maximum(1.3 - soil.position[:, 1], 0), abs=0.01)
+    scene.run(until=scene.time + 0.05, progress=False)
+    assert water.level(soil.position, scene.time) == pytest.approx(1.05)
+    restarted(scene, 20)
+
+
+def test_a_checkpoint_of_settling_has_the_tables_where_they_wait(tmp_path):
+    scene, _ = column(table={0: 1.3, 0.16: 0.8})
+    before = scene.time
+    runner = mpm.PyRunner(lambda: scene.save(tmp_path / "half.h5"), iterPeriod=150, label="save")
+    scene.engines.append(runner)
+    scene.settle(progress=False)
+    with pytest.warns(UserWarning, match="during settle"):
+        again = mpm.load(tmp_path / "half.h5", callbacks={"save": None})
+    water = waterOf(again)
+    assert water.waited == pytest.approx(again.time - before) and not water.waits
+
+
+def test_heads_and_rise_take_a_dict_of_times_as_a_table_does():
+    dicts = mpm.PoreWater(table=1.0, rise={0: 0, 9: 1}, heads={"left": {0: 3, 9: 2}})
+    rows = mpm.PoreWater(table=1.0, rise=[(0, 0), (9, 1)], heads={"left": [(0, 3), (9, 2)]})
+    assert dicts.rise == rows.rise and dicts._named == rows._named
+
+
 @cases(
+    ("heads of 'left': times do not grow", lambda: mpm.PoreWater(heads={"left": {1: 2, 0: 3}})),
+    ("heads of 'left' = [] is not allowed", lambda: mpm.PoreWater(heads={"left": {}})),
+    ("rise: times do not grow", lambda: mpm.PoreWater(table=1, rise={1: 2, 0: 3})),
     ("heads of 'left': times do not grow", lambda: mpm.PoreWater(heads={"left": [(1, 2), (0, 3)]})),
-    ("heads has '6' for 'left' ... or rows", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
+    ("heads has '6' for 'left' ... or a dict time", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
     ("table: times do not grow", lambda: mpm.PoreWater(table={1: 2.0, 0: 3.0})),
     ("table is an empty dict", lambda: mpm.PoreWater(table={})),
     ("table = 'high' is not allowed", lambda: mpm.PoreWater(table={0: "high"})),

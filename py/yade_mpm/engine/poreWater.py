@@ -16,7 +16,7 @@ from .engine import generated
 from .prescribed import FACES
 from .supports import timeRows
 
-UNITS = {"heads": "level, m, or rows (time, level)", "inflows": "flow, m/s"}
+UNITS = {"heads": "level, m, or a dict time -> level", "inflows": "flow, m/s"}
 OF_BODIES = ("permeability", "porosity")  # which particles take from it when they are made
 
 
@@ -33,17 +33,20 @@ Soil below the table is full of water and stays so; its density includes the wat
 the ground, that is under water, with its pressure on the ground. Water leaves through the surface of the
 soil; faces of the grid, bodies without water and what is driven are closed.
 
-table : m, level; or rows (x, level), linear between them; or a dict time (s) -> one of these, linear between
-    the times; default: 0 kPa everywhere, and no buoyancy.
-rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
-heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...), or rows
-    (time, level), s and m, linear between them.
+table : m, level; or rows (x, level), linear between them; or a dict time (s) -> one of these; default: 0 kPa
+    everywhere, and no buoyancy.
+rise : dict time (s) -> height, m, that the table rises by, as a boundary of the soil that is full of water.
+heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...), or a
+    dict time (s) -> level.
 drained : face, or list of faces, with water up to the table behind them; without a table at 0 kPa.
 inflows : dict face -> flow through it into the soil, m/s; negative: out of it.
 wells : list of (region, what it takes in all, m3/s; 2D: m2/s; negative: what it gives).
 drains : list of regions, at the pressure 0, or of (region, head in m): water leaves where its head is higher.
 sealed : True: no water passes the surface of the soil.
 kozenyCarman : True: the permeability follows the volume, as n^3/(1 - n)^2, n the porosity.
+
+What is given by time is linear between the times, and rows (time, value) do as well as a dict. The time is
+that of the scene, less what `scene.settle` took (`waited`, s): tables wait meanwhile.
 
 A soil with another permeability or porosity has another `PoreWater`, equal in the rest; later
 `body.permeability` and `body.porosity` count. Results:
@@ -60,8 +63,8 @@ in front of it takes in what the soil sucks, as if it rained."""
     def __init__(
         self,
         table: float | ArrayLike | dict[float, ArrayLike] | None = None,
-        rise: ArrayLike | None = None,
-        heads: dict[str, float | ArrayLike] | Sequence[float] | None = None,
+        rise: dict[float, float] | ArrayLike | None = None,
+        heads: dict[str, float | dict[float, float] | ArrayLike] | Sequence[float] | None = None,
         drained: str | Sequence[str] | Sequence[float] | None = None,
         inflows: dict[str, float] | Sequence[float] | None = None,
         wells: Sequence | None = None,
@@ -95,7 +98,7 @@ in front of it takes in what the soil sucks, as if it rained."""
             value, levels = _stages(value) if isinstance(value, dict) else (value, [])
             super()._assign("levels", levels)
         if name in ("table", "rise") and not (isinstance(value, (list, tuple)) and len(value) == 0):
-            rows = [(0.0, value)] if isNumber(value) else value
+            rows = [(0.0, value)] if isNumber(value) else _overTime(value)
             rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
             value = timeRows("PoreWater", name, rows, 1, None).ravel().tolist()
         scene = self._owner and self._owner()
@@ -136,6 +139,17 @@ in front of it takes in what the soil sucks, as if it rained."""
         names = "table", "rise", *["heads"] * (len(rows) - 2)
         return [name for name, one in zip(names, rows) if len(one) and np.ptp(one[:, 1:], axis=0).any()]
 
+    def _wait(self, time):
+        """Its tables stay as they are at a time of the scene."""
+        self._core.set("waitsAt", time - self.waited)
+        self._core.set("waits", True)
+
+    def _goOn(self, time):
+        """From a time of the scene on they go on from where they are."""
+        if self.waits:
+            self._core.set("waited", time - self.waitsAt)
+            self._core.set("waits", False)
+
     @takes(body=BODY)
     def hydrostatic(self, body):
         """Pressure at rest below the table at the particles of a body, kPa (N,)."""
@@ -159,7 +173,8 @@ in front of it takes in what the soil sucks, as if it rained."""
 
     @takes(positions=NUMBERS, time=NUMBER)
     def level(self, positions, time=0.0):
-        """Level of the table over places (N, dim), m: -inf where there is none."""
+        """Level of the table over places (N, dim) at a time of the scene, m: -inf where there is none."""
+        time = self.waitsAt if self.waits else time - self.waited
         rows = np.reshape(self.table, (-1, 2))
         if not len(rows):
             return np.full(len(positions), -np.inf)
@@ -242,14 +257,19 @@ def _checked(name, given, unit):
     """A dict face -> rows: of one number, or of the time and a number."""
     checked = {}
     for face, value in given.items():
-        if name == "heads" and not isNumber(value) and np.ndim(value) == 2:
-            checked[face] = timeRows("PoreWater", f"heads of '{face}'", value, 1, None).tolist()
+        if name == "heads" and (isinstance(value, dict) or np.ndim(value) == 2):
+            checked[face] = timeRows("PoreWater", f"heads of '{face}'", _overTime(value), 1, None).tolist()
             continue
         if not isNumber(value):
             wanted = unit.replace("level, m", "level in m").replace("flow, m/s", "flow in m/s")
             raise TypeError(f"PoreWater: {name} has {shown(value)} for '{face}'; give a {wanted}")
         checked[face] = [(0.0, value) if name == "heads" else (value,)]
     return checked
+
+
+def _overTime(given):
+    """Rows (time, value) of a dict time -> value; what is no dict stays."""
+    return list(given.items()) if isinstance(given, dict) else given
 
 
 def _stages(given):

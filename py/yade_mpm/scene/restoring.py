@@ -10,6 +10,7 @@ from ..base.kinds import DICT, FILE, FLAG, takes
 from ..base.warn import PACKAGE, warnUser
 from ..base.wording import shown
 from ..engine.contact import Contact
+from ..engine.poreWater import waterOf
 from ..geometry.numbers import isNumber
 from ..io import checkpoint
 from .permissions import Permissions
@@ -136,6 +137,8 @@ def _warn(scene, spec, file):
         )
     if spec["settling"] is not None:
         scene._gridSolver("load").damping = spec["settling"]
+        if (water := waterOf(scene)) is not None:
+            water._goOn(scene.time)
         warnUser(
             f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
             f"{spec['settling']:g})"

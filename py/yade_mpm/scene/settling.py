@@ -13,9 +13,9 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.kinds import COUNT, POSITIVE, SHARE
 from ..base.warn import warnUser
+from ..engine.poreWater import waterOf
 from ..engine.prescribed import MotionTable, Steering
 from .run import NotedSignals
-from .wetting import waterOf
 
 TELL_EVERY = 30.0  # s of wall time between lines about how far it has come
 STUCK = 50  # looks without a smaller out-of-balance force after which it may be there to stay
@@ -45,8 +45,9 @@ def settle(
     The share is n ||d sigma|| / ||sigma|| with the change d between two looks and n = |a . M d u| / |d a .
     M d u|, the number of such changes that the accelerations a still make, the median of the last looks.
     Where the force does not fall any more, as in distorted meshes, it ends with a warning. Ramps of
-    prescribed motions count from there. Warns where particles moved by more than a cell on the way to rest: a
-    slope that fails does so here, and its displacement after that is small.
+    prescribed motions count from there, and tables of water wait meanwhile. Warns where particles moved by
+    more than a cell on the way to rest: a slope that fails does so here, and its displacement after that is
+    small.
 
     Parameters
     ----------
@@ -83,6 +84,9 @@ def settle(
     keep(scene, _dampingAfterSettling=solver.damping)
     began = {body.name: (body.id.copy(), body.position.copy()) for body in scene.bodies}
     solver.damping = damping
+    water = waterOf(scene)
+    if water is not None:
+        water._wait(scene.time)
     try:
         with NotedSignals(scene) as noted:
             taken = _comeToRest(
@@ -93,6 +97,8 @@ def settle(
     finally:
         solver.damping = scene._dampingAfterSettling
         keep(scene, _dampingAfterSettling=None)
+        if water is not None:
+            water._goOn(scene.time)
     _tellWhatMoved(scene, began)
     _tellOfExcess(scene)
     for body in scene.bodies:

@@ -57,7 +57,7 @@ template <int Dim> class PoreSolids {
     template <class F>
     double forTakers(const Grid<Dim>& grid, const PoreFill<Dim>& fill, int cell, F&& f) const {
         const bool hasSoil = fill[cell].saturated > 0;
-        if (const auto* to = closedTakersOf(cell)) {
+        if (const auto* to = closedTakersOf(cell, hasSoil)) {
             double rest = 0;
             for (const auto& [other, part] : *to)
                 if (other == cell)
@@ -84,9 +84,9 @@ template <int Dim> class PoreSolids {
     // corner.
     template <class F> void forHanding(const Grid<Dim>& grid, const PoreFill<Dim>& fill, F&& f) const {
         for (int cell : near_) {
-            const bool mayHand = closedTakersOf(cell) || solid_[cell] > PoreFill<Dim>::fullFrom;
-            if (fill[cell].saturated > 0 || !mayHand) continue;
-            bool hasSoil = false;
+            if (fill[cell].saturated > 0) continue;
+            bool hasSoil = closedTakersOf(cell, false);
+            if (!hasSoil && !(solid_[cell] > PoreFill<Dim>::fullFrom)) continue;
             for (int a = 0; a < corners<Dim>; ++a) hasSoil |= volumes_[soil_][cornerOf(grid, cell, a)] > 0;
             if (hasSoil) f(cell);
         }
@@ -160,8 +160,11 @@ template <int Dim> class PoreSolids {
         std::sort(near_.begin(), near_.end());
     }
     // Those of the shared cells, where one at least strains its soil by what it takes; nullptr: none does.
-    const std::vector<typename SharedCells<Dim>::Part>* closedTakersOf(int cell) const {
+    const std::vector<typename SharedCells<Dim>::Part>* closedTakersOf(int cell, bool hasSoil) const {
         const auto* to = shared_->takersOf(cell);
+        if (to && hasSoil &&
+            std::none_of(to->begin(), to->end(), [&](const auto& part) { return part.cell == cell; }))
+            return nullptr; // no taker: what strains its soil is not known there
         const bool is = to && std::any_of(to->begin(), to->end(),
                                           [&](const auto& part) { return shared_->isClosed(part.cell); });
         return is ? to : nullptr;

@@ -84,6 +84,8 @@ template <int Dim> struct BindBody {
         return ArrayView(fieldOf(body, name, domain));
     }
     static bool hasBodyForce(B& body) { return body.particles.hasBodyForce; }
+    static bool hasSides(B& body) { return body.particles.hasSides; }
+    static void addSides(B& body) { body.particles.needSides(); }
     static bool hasPores(B& body) { return PoreState::in(body.particles) >= 0; }
     static void addPores(B& body) { PoreState::addTo(body.particles); }
 
@@ -153,7 +155,7 @@ template <int Dim> struct BindBody {
         bp::list all;
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             bp::list x, g;
-            const Vec<Dim> at = body.domains->grid.nodePosition(node);
+            const Vec<Dim> at = body.domains->grid.nodePosition(node % body.domains->grid.count);
             for (int k = 0; k < Dim; ++k) {
                 x.append(at[k]);
                 g.append(gradient[k]);
@@ -169,11 +171,11 @@ template <int Dim> struct BindBody {
         region.rethrow();
         std::map<int, Vec<Dim>> at;
         body.domains->internalForces([&](int node, const Vec<Dim>& force) {
-            at.try_emplace(node, Vec<Dim>::Zero()).first->second += force;
+            at.try_emplace(node % body.domains->grid.count, Vec<Dim>::Zero()).first->second += force;
         });
         bp::list positions, forces;
         for (const auto& [node, force] : at) {
-            const Vec<Dim> x = body.domains->grid.nodePosition(node);
+            const Vec<Dim> x = body.domains->grid.nodePosition(node % body.domains->grid.count);
             for (int k = 0; k < Dim; ++k) {
                 positions.append(x[k]);
                 forces.append(force[k]);
@@ -272,6 +274,8 @@ template <int Dim> struct BindBody {
             .def_readwrite("lastInternalWork", &B::lastInternalWork)
             .def_readwrite("largestInertialMass", &B::largestInertialMass)
             .add_property("hasBodyForce", hasBodyForce)
+            .add_property("hasSides", hasSides)
+            .def("addSides", addSides)
             .add_property("hasPores", hasPores)
             .def("addPores", addPores)
             .add_property("halfSize", halfSize)

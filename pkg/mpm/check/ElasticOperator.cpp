@@ -69,18 +69,25 @@ template <int Dim> class ElasticOperator<Dim>::Exchanged {
 template <int Dim>
 ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : scene_(scene) {
     parallel(scene.threads, [&](ParallelRegion& region) {
-        locateParticles(region, scene);
+        locateParticles(region, scene, false);
         if (!region.failed()) sumOnNodes<Dim>(region, scene, nullptr, false);
     });
     std::vector<double> scratch;
     holdDrivenNodes(scene, scratch);
     freeSharedNodes(explicitAlone);
     scene.mirrors.fold(scene.grid, Vec<Dim>::Zero());
+    scene.parted.bond(scene);
     findDofs();
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
-        velocity_.emplace_back(scene.grid.count, NF::Velocity::zero());
-        force_.emplace_back(scene.grid.count, NF::Sum::zero());
-        motion_.emplace_back(scene.grid.count, NF::Motion::zero());
+        const auto makeRoom = [&](auto& all, const auto& zero) {
+            const int first = scene.groupOf[f];
+            auto& own = all.emplace_back();
+            first == int(f) ? own.assign(scene.grid.count, zero, scene.grid.fields[f].halves)
+                            : own.beSecondHalfOf(all[first]);
+        };
+        makeRoom(velocity_, NF::Velocity::zero());
+        makeRoom(force_, NF::Sum::zero());
+        makeRoom(motion_, NF::Motion::zero());
     }
     for (auto& body : scene.bodies) {
         isIn_.push_back(!explicitAlone || !isSolvedImplicitly(scene, *body));
@@ -175,6 +182,8 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
         scene_.mirrors.foldValues(
             int(f), [&](int ghost, int k) { return NF::forceOf(force_[f][ghost])[k]; },
             [&](int node, int k, double force) { NF::addForce(force_[f][node], k, force); });
+    scene_.parted.forBonded(
+        [&](int first, int second, int node) { force_[first][node] += force_[second][node]; });
     readForces(y);
 }
 
@@ -210,6 +219,10 @@ template <int Dim> void ElasticOperator<Dim>::passAll(const std::vector<double>&
         scene_.mirrors.foldValues(
             int(f), [&](int ghost, int k) { return velocity_[f][ghost][k]; },
             [&](int node, int k, double p) { velocity_[f][node].set(k, velocity_[f][node][k] + p); });
+    scene_.parted.forBonded([&](int first, int second, int node) {
+        for (int k = 0; k < Dim; ++k)
+            velocity_[first][node].set(k, velocity_[first][node][k] + velocity_[second][node][k]);
+    });
     y.resize(size());
     for (int i = 0; i < size(); ++i)
         y[i] = velocity_[dofs_[i].field][dofs_[i].node][dofs_[i].axis] / mass_[i];
@@ -247,6 +260,8 @@ template <int Dim>
 template <class Values>
 void ElasticOperator<Dim>::setValues(Values& values, const std::vector<double>& x) const {
     for (int i = 0; i < size(); ++i) values[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+    scene_.parted.forBonded(
+        [&](int first, int second, int node) { values[second][node] = values[first][node]; });
     for (size_t f = 0; f < values.size(); ++f)
         scene_.mirrors.reflectValues(
             int(f), [&](int node, int k) { return values[f][node][k]; },

@@ -48,10 +48,10 @@ template <int Dim> class ElasticOperator {
     std::vector<double> mass_;
     std::vector<char>
         isSolved_; // of each, whether it is of a node that implicit bodies share; empty: none is
-    std::vector<double> toSolved_;                             // of each, what its M^-1 C gives to these
-    std::vector<std::vector<typename NF::Velocity>> velocity_; // of the nodes of each velocity field
-    std::vector<std::vector<typename NF::Sum>> force_;
-    std::vector<std::vector<typename NF::Motion>> motion_;
+    std::vector<double> toSolved_;                           // of each, what its M^-1 C gives to these
+    std::vector<NodeArray<typename NF::Velocity>> velocity_; // of the nodes of each velocity field
+    std::vector<NodeArray<typename NF::Sum>> force_;
+    std::vector<NodeArray<typename NF::Motion>> motion_;
     std::vector<Field> stress_;     // of each body
     std::vector<StandIn> gradient_; // of its velocity,
     std::vector<StandIn> vertices_; // of its particles, and of its vertices where it has some

@@ -24,6 +24,7 @@ template <int Dim> class PresentSums {
         }
         for (auto& body : scene.bodies)
             body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+        scene.located ? scene.parted.markExtents(scene) : scene.parted.divide(scene, false);
         for (size_t f = 0; f < kept_.size(); ++f) keep(scene.grid.fields[f], kept_[f]);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
@@ -31,6 +32,7 @@ template <int Dim> class PresentSums {
                                       body->inertiaScale, false);
         });
         scene.mirrors.fold(scene.grid, Vec<Dim>::Zero());
+        scene.parted.bond(scene);
     }
     ~PresentSums() {
         for (size_t f = 0; f < kept_.size(); ++f) {

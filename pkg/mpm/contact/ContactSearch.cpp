@@ -30,6 +30,8 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
         if (auto* boxes = body->domains->boxes(); boxes && boxes->outline())
             hasOutline_[body->velocityField] = true;
     }
+    for (size_t field = 0; field < isExplicit_.size(); ++field)
+        isExplicit_[field] = isExplicit_[scene.groupOf[field]];
 }
 
 template <int Dim>

@@ -18,8 +18,9 @@ template <int Dim> class NearbyBoxes {
         found_.clear();
         bin_.clear();
         for (auto& body : scene.bodies)
-            if (body->velocityField == field && !ExplicitSurface<Dim>::isOf(*body))
-                findOf(*body, scene.grid, nearby);
+            if (field >= 0 && body->velocityField == scene.groupOf[field] &&
+                !ExplicitSurface<Dim>::isOf(*body))
+                findOf(*body, body->velocityField != field, scene.grid, nearby);
         bins_.fill(nearby.size(), bin_);
         sort();
     }
@@ -120,7 +121,9 @@ template <int Dim> class NearbyBoxes {
 
     // Looks at those of blocks that may have some: the lowest nodes of boxes are at most `wander` nodes away
     // from their block.
-    void findOf(const Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
+    void findOf(const Body<Dim>& body, bool ofSecond, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
+        const std::vector<char>& isSecond = body.domains->boxes()->seconds();
+        if (ofSecond && isSecond.empty()) return;
         const auto isFar = [&](int block) {
             const Index<Dim> begin = grid.blockBegin(block);
             bool far = false;
@@ -142,7 +145,7 @@ template <int Dim> class NearbyBoxes {
                 nearestNodes(grid, position, begin, count, node);
                 for (int i = 0; i < count; ++i) {
                     const int near = nearby.number(node[i]);
-                    if (near < 0) continue;
+                    if (near < 0 || (!isSecond.empty() && isSecond[begin + i] != ofSecond)) continue;
                     const Vec<Dim> x = vectorAt<Dim>(position, begin + i);
                     const double thickness = std::max(grid.thicknessAt(x[0]), 1e-9); // m
                     found_.push_back({x, half, V[begin + i] / (thickness * size)});

@@ -5,6 +5,8 @@
 
 #include "mpm/particle/Outline.hpp"
 
+#include <functional>
+
 namespace mpm {
 
 template <int Dim> class EqualBoxes {
@@ -16,6 +18,16 @@ template <int Dim> class EqualBoxes {
     virtual bool splitStretched() { return false; }
     // The surface of the region that the boxes were cut from; nullptr where boxes are whole.
     virtual const Outline<Dim>* outline() const { return nullptr; }
+
+    // Where a wall parts soil, the particles on its second side move with the second half of the nodes' memory, see
+    // NodalField::beSecondHalfOf(). wallAt[node]: number + 1 of the wall that parts nodes which a particle with this
+    // lowest node reaches. Such a particle has a side, found by sideOf(p, wall), and keeps it (mayDecide) as long as it is
+    // there. After locate(), one thread.
+    virtual void divide(const std::vector<short>& wallAt, const std::function<int(int, int)>& sideOf,
+                        bool mayDecide) = 0;
+    virtual void unite() = 0; // all of them move with the first half
+    // Whether each particle does; empty: none.
+    virtual const std::vector<char>& seconds() const = 0;
 
   protected:
     ~EqualBoxes() = default;

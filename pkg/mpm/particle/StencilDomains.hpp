@@ -56,6 +56,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     std::vector<Field*> fields() override { return {&half_}; }
 
     void restored() override {
+        isSecond_.clear();
         cell_.assign(particles.size(), -1);
         local_.resize(particles.size());
         if (grid.isAxisymmetric) overRadius_.resize(particles.size());
@@ -68,6 +69,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
             const int begin = order.start[block], end = order.start[block + 1];
             if (!find(begin, end) && order.isKnown(block)) return;
             order.inspect(block, grid, cell_);
+            addHalves(begin, end);
             cellsChanged(begin, end);
         });
     }
@@ -131,6 +133,34 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     void setHalfSize(const Vec<Dim>& half) override { Eigen::Map<Vec<Dim>>(half_.plane()) = half; }
     void grown() override { group(); }
 
+    void divide(const std::vector<short>& wallAt, const std::function<int(int, int)>& sideOf,
+                bool mayDecide) override {
+        const bool isFirst = isSecond_.empty();
+        isSecond_.resize(particles.size(), 0);
+        first_.resize(particles.size());
+        double* const side = particles.side.plane();
+        for (int block = 0; block < order.blocks(); ++block) {
+            bool hasChanged = isFirst;
+            for (int p = order.start[block]; p < order.start[block + 1]; ++p) {
+                const int wall = wallAt[cell_[p]] - 1;
+                const double its = wall < 0 ? 0 : side[p] > 0 ? side[p] : sideOf(p, wall);
+                if (mayDecide) side[p] = its;
+                hasChanged |= isSecond_[p] != (its == 2);
+                isSecond_[p] = its == 2;
+            }
+            if (!hasChanged) continue;
+            addHalves(order.start[block], order.start[block + 1]);
+            cellsChanged(order.start[block], order.start[block + 1]);
+        }
+    }
+    void unite() override {
+        if (isSecond_.empty()) return;
+        isSecond_.clear();
+        for (int block = 0; block < order.blocks(); ++block)
+            cellsChanged(order.start[block], order.start[block + 1]);
+    }
+    const std::vector<char>& seconds() const override { return isSecond_; }
+
   protected:
     static constexpr int support = Kernel::support;
 
@@ -140,7 +170,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         for (int k = 0; k < Dim; ++k)
             axis[k] = Kernel::along(local_.plane(k)[p] - middle, half_.plane()[k] / grid.smallestCell()[k]);
         forLattice([&](const Index<Dim>& i) {
-            int node = cell_[p];
+            int node = firstNodes()[p];
             double weight = 1;
             Vec<Dim> gradient = grid.smallestCell().cwiseInverse();
             for (int k = 0; k < Dim; ++k) {
@@ -172,12 +202,20 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         cell_.resize(particles.size());
         local_.resize(particles.size());
         if (grid.isAxisymmetric) overRadius_.resize(particles.size());
+        isSecond_.clear();
         find(0, particles.size());
         order.group(grid, cell_);
         particles.permute(order.order);
         permuted(order.order);
         order.order.clear();
         order.prepare(grid, support);
+    }
+
+    // With the half of the memory that each particle moves with.
+    const int* firstNodes() const { return isSecond_.empty() ? cell_.data() : first_.data(); }
+    void addHalves(int begin, int end) {
+        if (isSecond_.empty()) return;
+        for (int p = begin; p < end; ++p) first_[p] = cell_[p] + isSecond_[p] * grid.count;
     }
 
     // For types that keep more: after the particles of a block have moved to other cells; after all were
@@ -193,7 +231,9 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     // With axial symmetry 1/r of each particle where locate() found it, 1/m; a box on the axis has its middle half way
     // from its inner to its outer half at least.
     std::vector<double> overRadius_;
-    std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
+    std::vector<int> cell_;      // lowest node of the support of each particle, found once per step ...
+    std::vector<char> isSecond_; // of each particle, whether it moves with the second half; empty: none does
+    std::vector<int> first_;     // cell_ in the half of each
     Field local_{"local", "-", "Position from that node, in cells.", {Dim}}; // ... and
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
     bool isSorted_ = false; // in this round of locate() and resort()

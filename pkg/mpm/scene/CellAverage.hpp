@@ -12,33 +12,13 @@
 
 #include "mpm/particle/apdi/RingShape.hpp"
 #include "mpm/scene/Holes.hpp"
+#include "mpm/scene/MeanOfStress.hpp"
 #include "mpm/scene/ParticleCells.hpp"
 #include "mpm/state/cover.hpp"
 
 #include <numeric>
 
 namespace mpm {
-
-// Of the stress of particle p, kPa.
-struct MeanOfStress {
-    const double* diagonal[3];
-    explicit MeanOfStress(const Field& stress) {
-        for (int k = 0; k < 3; ++k) diagonal[k] = stress.plane(4 * k);
-    }
-    MPM_INLINE double operator()(int p) const {
-        return (diagonal[0][p] + diagonal[1][p] + diagonal[2][p]) / 3;
-    }
-};
-// The same over the axes that strain: in plane strain two. It is what does the work of a rate of volume change that
-// these axes share.
-template <int Dim> struct StrainedMean : MeanOfStress {
-    bool isPlane;
-    StrainedMean(const Field& stress, const Grid<Dim>& grid)
-        : MeanOfStress(stress), isPlane(Dim == 2 && !grid.isAxisymmetric) {}
-    MPM_INLINE double operator()(int p) const {
-        return isPlane ? 0.5 * (diagonal[0][p] + diagonal[1][p]) : MeanOfStress::operator()(p);
-    }
-};
 
 template <int Dim> class CellAverage {
   public:
@@ -61,7 +41,7 @@ template <int Dim> class CellAverage {
     // was made larger than a cell. (Nodes between the vertices of larger ones have no mass.) half: of the edge of boxes
     // along the first axis, m.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
-                Mesh<Dim>* mesh, bool isAmongBoxes, double half) {
+                Mesh<Dim>* mesh, bool isAmongBoxes, double half, const SecondCells& second) {
         region.once([&] {
             isMesh_ = mesh;
             half_ = half;
@@ -70,8 +50,9 @@ template <int Dim> class CellAverage {
                 fitInCells_ = fitInCells(particles, grid, *mesh);
             }
             actByCells_ = !mesh || (isAmongBoxes && fitInCells_);
-            where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr);
-            resize(particles.size(), grid);
+            where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr, second);
+            isParted_ = second.isParted;
+            resize(particles.size(), grid, second.isSecond ? 2 : 1);
         });
         where_.locate(region, grid);
         forOwn(region, [&](int firstSlab, int endSlab) {
@@ -104,17 +85,18 @@ template <int Dim> class CellAverage {
                    });
         };
         forOwnCells(region, [&](int c, Cell& cell) {
-            double least = total_[c], sum = 0; // ghosts round the grid are empty
+            const int at = inGrid(c);
+            double least = total_[at], sum = 0; // ghosts round the grid are empty
             for (int step : around) {
-                least = std::min(least, total_[c + step]);
-                sum += total_[c + step];
+                least = std::min(least, total_[at + step]);
+                sum += total_[at + step];
             }
-            cell.share = cover_[c] / total_[c];
-            cell.inside = least >= insideFrom ? 1 : insideBy(grid, c, cover);
-            cell.uneven = mayOpen || isAmongMeshes(c) ? 1 : unevenness(cell, sum / double(around.size()));
-            if (isMesh_ && cell.inside > 0 && total_[c] < coveredByVertices)
+            cell.share = cover_[c] / total_[at];
+            cell.inside = least >= insideFrom ? 1 : insideBy(grid, at, cover);
+            cell.uneven = mayOpen || isAmongMeshes(at) ? 1 : unevenness(cell, sum / double(around.size()));
+            if (isMesh_ && cell.inside > 0 && total_[at] < coveredByVertices)
                 sparse_[where_.slabOf(c)].push_back(c);
-            if (!mayOpen && least == 0) holes_.look(grid, c, where_.slabOf(c), cover);
+            if (!mayOpen && least == 0) holes_.look(grid, at, where_.slabOf(at), cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
@@ -151,7 +133,10 @@ template <int Dim> class CellAverage {
     // The cell of a number, where particles are in it; nullptr: none are.
     Cell* occupied(int number) { return where_.has(number) ? &cells_[number] : nullptr; }
     // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
-    double coverOf(int number) const { return cover_[number] > 0 ? cover_[number] : where_.hasLone(number); }
+    double coverOf(int number) const {
+        const double cover = cover_[number] + (isParted_ ? cover_[number + count_] : 0);
+        return cover > 0 ? cover : where_.hasLone(number);
+    }
     const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
     // f(number, cell) for all cells with particles.
     template <class F> void forEach(ParallelRegion& region, F&& f) { forOwnCells(region, f); }
@@ -187,7 +172,8 @@ template <int Dim> class CellAverage {
     void giveLinear(ParallelRegion& region, const Grid<Dim>& grid) {
         forOwnCells(region, [&](int c, const Cell& cell) {
             double slopes[Dim];
-            for (int k = 0; k < Dim; ++k) slopes[k] = slope(c, grid.strides[k], k);
+            for (int k = 0; k < Dim; ++k)
+                slopes[k] = slope(c, beside(c, -grid.strides[k]), beside(c, grid.strides[k]), k);
             give(c, [&](int point, int p) {
                 double change = cell.mean - value_[p];
                 for (int k = 0; k < Dim; ++k)
@@ -207,7 +193,7 @@ template <int Dim> class CellAverage {
             for (int k = 0; k < Dim; ++k)
                 x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
         }
-        return (grown(grid, number, x, half_) - 1) / dt;
+        return (grown(grid, inGrid(number), x, half_) - 1) / dt;
     }
     // V'/V_c of a cell with its corners at x, in cells from its middle. half: see Grid::ringMoment().
     static double grown(const Grid<Dim>& grid, int number, CornerNumbers<Dim>& x, double half) {
@@ -280,27 +266,40 @@ template <int Dim> class CellAverage {
     // Cover of a cell from which on domains that fit in cells have vertices near all of its corners.
     static constexpr double coveredByVertices = 0.8;
 
-    void resize(int particles, const Grid<Dim>& grid) {
+    void resize(int particles, const Grid<Dim>& grid, int halves) {
+        count_ = grid.count;
         value_.resize(particles);
         given_.resize(where_.points().isInParts() ? where_.points().size() : 0);
-        cells_.resize(grid.count);
-        cover_.resize(grid.count);
-        for (auto& component : acting_) component.resize(grid.count);
+        cells_.resize(halves * count_);
+        cover_.resize(halves * count_);
+        for (auto& component : acting_) component.resize(halves * count_);
         holes_.resize(grid.slabs());
-        sparse_.resize(grid.slabs());
-        extents_.resize(grid.slabs());
+        sparse_.resize(halves * grid.slabs());
+        extents_.resize(halves * grid.slabs());
+    }
+    int inGrid(int number) const { return number < count_ ? number : number - count_; }
+    // The cell that goes on where a cell ends: of the same side where it has one; -1: empty, or both sides are there.
+    int beside(int number, int step) const {
+        const int next = number + step;
+        if (!isParted_) return where_.has(next) ? next : -1;
+        const int first = inGrid(next), second = first + count_;
+        const bool hasFirst = where_.has(first), hasSecond = where_.has(second);
+        if (!isParted_[inGrid(number)])
+            return hasFirst && hasSecond ? -1 : hasSecond ? second : hasFirst ? first : -1;
+        if (where_.has(next)) return next;
+        return hasFirst && !isParted_[first] ? first : -1;
     }
 
     // The cells of a slab that particles have come to or left.
     void enter(const Grid<Dim>& grid, int slab) {
-        const int size = int(cells_.size()) / grid.slabs();
+        const int size = grid.strides[Dim - 1];
         std::fill_n(cover_.begin() + slab * size, size, 0.0);
         for (auto& component : acting_) std::fill_n(component.begin() + slab * size, size, 0.0);
         extents_[slab] = Extent();
         for (int c : where_.occupied(slab)) {
-            cells_[c].edges = grid.edges(c);
-            cells_[c].whole = grid.volume(c);
-            extents_[slab].include(only(grid, c));
+            cells_[c].edges = grid.edges(inGrid(c));
+            cells_[c].whole = grid.volume(inGrid(c));
+            extents_[slab].include(only(grid, inGrid(c)));
         }
     }
     static void leaveToParticles(Cell& cell) {
@@ -322,13 +321,15 @@ template <int Dim> class CellAverage {
     }
     // The covers of all bodies that move together, where this one is, and two rows of cells round that.
     void addUp(ParallelRegion& region, const std::vector<CellAverage*>& others) {
-        region.once([&] { total_.resize(cover_.size()); });
+        region.once([&] { total_.resize(count_); });
         forOwn(region, [&](int firstSlab, int endSlab) {
-            const int slabs = int(extents_.size()), size = int(cover_.size()) / slabs;
-            for (int slab = firstSlab; slab < endSlab; ++slab) {
+            const int halves = int(cover_.size()) / count_, slabs = int(extents_.size()) / halves,
+                      size = count_ / slabs;
+            for (int slab = firstSlab; slab < std::min(endSlab, slabs); ++slab) {
                 bool isNear = false;
                 for (int s = std::max(0, slab - 2); s < std::min(slabs, slab + 3); ++s)
-                    isNear |= !where_.occupied(s).empty();
+                    isNear |=
+                        !where_.occupied(s).empty() || !where_.occupied(s + (halves - 1) * slabs).empty();
                 if (!isNear) continue;
                 for (int c = slab * size; c < (slab + 1) * size; ++c) total_[c] = coverOf(c);
                 for (const CellAverage* other : others)
@@ -352,10 +353,9 @@ template <int Dim> class CellAverage {
         });
     }
 
-    double slope(int number, int stride, int axis) const {
-        if (!where_.has(number - stride) || !where_.has(number + stride)) return 0;
-        const Cell &before = cells_[number - stride], &cell = cells_[number],
-                   &after = cells_[number + stride];
+    double slope(int number, int last, int next, int axis) const {
+        if (last < 0 || next < 0) return 0;
+        const Cell &before = cells_[last], &cell = cells_[number], &after = cells_[next];
         const auto between = [&](const Cell& a, const Cell& b) {
             return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
         };
@@ -367,7 +367,7 @@ template <int Dim> class CellAverage {
     template <bool isAxisymmetric> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
         Vec<Dim> sum = Vec<Dim>::Zero(), slopes[2]; // of the cells beyond the node, and before it
         for (int before = 0; isAxisymmetric && before < 2; ++before)
-            slopes[before] = grid.volumeSlopes(std::max(0, node - before), node, half_);
+            slopes[before] = grid.volumeSlopes(std::max(0, inGrid(node) - before), inGrid(node), half_);
         for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
             int number = node;
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
@@ -380,6 +380,8 @@ template <int Dim> class CellAverage {
     }
 
     ParticleCells<Dim> where_;
+    int count_ = 0;                  // nodes of the grid
+    const char* isParted_ = nullptr; // each cell, see SecondCells
     bool isMesh_ = false, actByCells_ = false;
     bool fitInCells_ = false;   // whether no domain was made larger than a cell,
     int measured_ = -1;         // found when there were so many domains

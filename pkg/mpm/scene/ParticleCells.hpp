@@ -13,14 +13,23 @@
 
 namespace mpm {
 
+// Where a wall parts a soil the particles on its second side have cells of their own, with numbers from Grid::count on:
+// those of cells that have nodes on which the soil is two.
+struct SecondCells {
+    const char *isSecond = nullptr, *isParted = nullptr; // each particle; each cell. nullptr: there are none
+};
+
 template <int Dim> class ParticleCells {
   public:
     // Before locate(), by one thread. mayBeAlone: they are domains of a mesh; inParts: the mesh whose domains count in
     // parts.
-    void start(const Particles<Dim>& particles, const Grid<Dim>& grid, bool mayBeAlone, Mesh<Dim>* inParts) {
+    void start(const Particles<Dim>& particles, const Grid<Dim>& grid, bool mayBeAlone, Mesh<Dim>* inParts,
+               const SecondCells& second = {}) {
         points_.start(particles, inParts);
+        second_ = second;
+        const int halves = second.isSecond ? 2 : 1;
         isKept_ = mayBeAlone_ == mayBeAlone && int(cell_.size()) == points_.size() &&
-                  particles_ == particles.size() && int(isListed_.size()) == grid.slabs();
+                  particles_ == particles.size() && int(isListed_.size()) == halves * grid.slabs();
         mayBeAlone_ = mayBeAlone;
         located_ = true;
         particles_ = particles.size();
@@ -29,10 +38,10 @@ template <int Dim> class ParticleCells {
         const int chunks = chunksOf(particles_);
         slabsOf_.resize(chunks);
         changed_.resize(chunks);
-        inCell_.resize(grid.count);
-        occupied_.resize(grid.slabs());
-        lists_.resize(grid.slabs());
-        isListed_.resize(grid.slabs());
+        inCell_.resize(halves * grid.count);
+        occupied_.resize(halves * grid.slabs());
+        lists_.resize(halves * grid.slabs());
+        isListed_.resize(halves * grid.slabs());
     }
     // Called by all threads.
     void locate(ParallelRegion& region, const Grid<Dim>& grid) {
@@ -44,7 +53,7 @@ template <int Dim> class ParticleCells {
             std::fill(isListed_.begin(), isListed_.end(), isKept_);
             for (const Range& slabs : changed_)
                 for (int slab = slabs.first; slab <= slabs.last; ++slab) isListed_[slab] = false;
-            if (hasChanged || !isKept_) divide(grid.slabs());
+            if (hasChanged || !isKept_) divide(int(isListed_.size()));
         });
         if (mayBeAlone_ && !isKept_) lone_.find(region, grid, cell_);
         forOwn(region, [&](int firstSlab, int endSlab) {
@@ -129,6 +138,9 @@ template <int Dim> class ParticleCells {
     void findCells(const Grid<Dim>& grid, int begin, int end) {
         int found[corners<Dim> * chunkSize];
         points_.place(grid, begin, end, found);
+        for (int p = begin; p < end && second_.isSecond; ++p)
+            if (int& cell = found[p - begin]; second_.isSecond[p] && second_.isParted[cell])
+                cell += grid.count;
         const int c = begin / chunkSize, first = points_.at(begin), count = points_.at(end) - first;
         changed_[c] = {};
         if (std::equal(found, found + count, cell_.begin() + first)) return;
@@ -152,6 +164,7 @@ template <int Dim> class ParticleCells {
     int slabSize_ = 0; // nodes in a slab of the grid
     bool located_ = false, mayBeAlone_ = false;
     bool isKept_ = false; // whether the lists hold but for slabs that points of chunks have changed in
+    SecondCells second_;
     CellPoints<Dim> points_;
     LoneDomains<Dim> lone_;
     std::vector<Range> slabsOf_, changed_;   // of each chunk; in which a point has entered another cell

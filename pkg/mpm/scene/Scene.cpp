@@ -62,7 +62,7 @@ template <int Dim> void Scene<Dim>::separateGroups() {
     groupOf.resize(groups.size());
     std::iota(groupOf.begin(), groupOf.end(), 0);
     parted.find(*this);
-    grid.setFields(int(groupOf.size()));
+    grid.setFields(groupOf);
 }
 
 template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {

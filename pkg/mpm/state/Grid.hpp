@@ -11,6 +11,7 @@
 #include "mpm/state/GridLines.hpp"
 #include "mpm/state/NodalField.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -66,8 +67,10 @@ template <int Dim> class Grid {
     int count = 0;
     std::vector<NodalField<Dim>> fields;
 
-    // Raises MemoryError, and changes nothing, where they do not fit into memory.
-    void setFields(int n) {
+    // firstOf: of each field, the one that it has the second half of the memory of; itself: it has its own. Raises
+    // MemoryError, and changes nothing, where they do not fit into memory.
+    void setFields(const std::vector<int>& firstOf) {
+        const int n = int(firstOf.size());
         const int more = n - int(fields.size());
         if (more > 0)
             requireMemory(double(more) * count * NodalField<Dim>::bytesOfNode,
@@ -75,8 +78,12 @@ template <int Dim> class Grid {
                                   fields.empty() ? "" : " for the groups that Contact has besides the first"),
                           "give a larger cell or a smaller grid, or end other programs");
         fields.resize(n);
-        for (auto& field : fields)
-            if (int(field.sum.size()) != count) field.setSize(count, slabs());
+        for (int f = 0; f < n; ++f) {
+            const int halves = int(std::count(firstOf.begin(), firstOf.end(), f));
+            if (halves > 0 && (fields[f].sum.size() != count || fields[f].halves != halves))
+                fields[f].setSize(count, slabs(), halves);
+            if (halves == 0) fields[f].beSecondHalfOf(fields[firstOf[f]]);
+        }
     }
 
     int slabs() const { return nodes[Dim - 1]; }
@@ -296,7 +303,7 @@ template <int Dim> class Grid {
             stride *= nodes[k];
         }
         count = stride;
-        setFields(1);
+        setFields({0});
     }
 
     // f(distances from a node to the two lines before it and the two after it) along each axis.

@@ -13,6 +13,37 @@
 
 namespace mpm {
 
+// One value for each node, in memory of its own or in the second half of that of another field.
+template <class T> class NodeArray {
+  public:
+    NodeArray() = default;
+    NodeArray(NodeArray&&) = default;
+    NodeArray& operator=(NodeArray&&) = default;
+    NodeArray(const NodeArray&) = delete;
+
+    // halves: 2 leaves room for another field.
+    void assign(int nodes, const T& value, int halves = 1) {
+        own_.assign(size_t(halves) * nodes, value);
+        data_ = own_.data();
+        size_ = nodes;
+    }
+    void beSecondHalfOf(NodeArray& first) {
+        own_ = {};
+        data_ = first.data_ + first.size_;
+        size_ = first.size_;
+    }
+    int size() const { return size_; }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    T& operator[](size_t node) { return data_[node]; }
+    const T& operator[](size_t node) const { return data_[node]; }
+
+  private:
+    std::vector<T, OnLargePages<T>> own_;
+    T* data_ = nullptr;
+    int size_ = 0;
+};
+
 // Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a
 // Contact, each group of bodies has its own.
 template <int Dim> struct NodalField {
@@ -60,8 +91,8 @@ template <int Dim> struct NodalField {
         }
     }
 
-    std::vector<Sum, OnLargePages<Sum>> sum;
-    std::vector<Motion, OnLargePages<Motion>> motion;
+    NodeArray<Sum> sum;
+    NodeArray<Motion> motion;
 
     // The velocity that strains the particles and moves the vertices. Where it is mapped back from the
     // particles (MUSL, USF) the same memory holds their momentum before, and 1/mass beside it: one line of
@@ -133,14 +164,27 @@ template <int Dim> struct NodalField {
     std::vector<Extent> extents;
     WorkPartition partition; // of the slabs, by the number of their touched nodes
 
-    void setSize(int nodes, int slabs) {
-        sum.assign(nodes, Sum::zero());
-        motion.assign(nodes, Motion::zero());
-        straining_.assign(nodes, Velocity::zero());
+    // halves: 2 for a field whose soil has a second one, see PartedSoils.
+    void setSize(int nodes, int slabs, int halves) {
+        this->halves = halves;
+        sum.assign(nodes, Sum::zero(), halves);
+        motion.assign(nodes, Motion::zero(), halves);
+        straining_.assign(nodes, Velocity::zero(), halves);
         holder.assign(nodes, free());
         extents.resize(slabs);
         forgetExtents();
     }
+    // Node n of this one is node n + (number of nodes) of the first: particles reach it by that number.
+    void beSecondHalfOf(NodalField& first) {
+        halves = 0;
+        sum.beSecondHalfOf(first.sum);
+        motion.beSecondHalfOf(first.motion);
+        straining_.beSecondHalfOf(first.straining_);
+        holder.assign(first.sum.size(), free());
+        extents.resize(first.extents.size());
+        forgetExtents();
+    }
+    int halves = 0; // of its memory, that are its own
     void forgetExtents() { std::fill(extents.begin(), extents.end(), Extent()); }
     void partitionNodes() {
         partition.set(int(extents.size()), [&](int slab) {
@@ -152,7 +196,7 @@ template <int Dim> struct NodalField {
     }
 
   private:
-    std::vector<Velocity, OnLargePages<Velocity>> straining_;
+    NodeArray<Velocity> straining_;
 };
 
 } // namespace mpm

@@ -30,9 +30,12 @@ template <int Dim> class Particles {
     Field bodyForce{
         "bodyForce", "m/s2", "Acceleration by a body force, besides gravity; set by the user.", {Dim}};
     Field reference{"reference", "m", "Position that displacement is counted from.", {Dim}};
+    // Kept while a wall parts the particle from the other side, see scene/PartedSoils.hpp.
+    Field side{"side", "-", "Side of a thin wall: 1 or 2; 0 where none is near."};
     std::vector<Field> state; // the material's variables
 
     bool isAxisymmetric = false; // only then hoopRate is there
+    bool hasSides = false;       // only then side is there
     bool hasBodyForce = false;   // bodyForce takes memory and is read only once somebody has asked for it
 
     int size() const { return mass.size(); }
@@ -51,6 +54,7 @@ template <int Dim> class Particles {
                                 &bodyForce,
                                 &reference};
         if (isAxisymmetric) all.push_back(&hoopRate);
+        if (hasSides) all.push_back(&side);
         for (Field& variable : state) all.push_back(&variable);
         return all;
     }
@@ -64,6 +68,12 @@ template <int Dim> class Particles {
         if (hasBodyForce) return;
         hasBodyForce = true;
         bodyForce.resize(size());
+    }
+
+    void needSides() {
+        if (hasSides) return;
+        hasSides = true;
+        side.resize(size());
     }
 
     void permute(const std::vector<int>& order) {

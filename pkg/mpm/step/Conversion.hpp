@@ -31,6 +31,8 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
     target.resize(first + int(pieces.size()));
     if (source.hasBodyForce) target.needBodyForce();
     if (target.hasBodyForce) source.needBodyForce();
+    if (source.hasSides) target.needSides();
+    if (target.hasSides) source.needSides();
     const auto targets = target.fields(), sources = source.fields();
     int64_t next = 0;
     for (int p = 0; p < first; ++p) next = std::max(next, target.id.integers()[p] + 1);

@@ -26,9 +26,10 @@ template <int Dim> class NodalForces {
         double work = 0;
         for (const auto& [field, node, force] : given_) {
             const auto& nodal = scene_->grid.fields[field];
+            // Where a parted soil is one the first half of the memory has all.
+            const int at = nodal.sum[node][NF::mass] > 0 ? node : node % scene_->grid.count;
             for (int k = 0; k < Dim; ++k)
-                work +=
-                    0.5 * dt * force[k] * (NF::velocityAtStart(nodal.sum[node], k) + nodal.motion[node][k]);
+                work += 0.5 * dt * force[k] * (NF::velocityAtStart(nodal.sum[at], k) + nodal.motion[at][k]);
         }
         if (scene_) scene_->energies.loads += work;
         given_.clear();

@@ -27,7 +27,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
         const bool withForce = !scene.scheme->stressFirst;
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies) refuseNoMatter(region, *body, scene.step);
-            locateParticles(region, scene);
+            locateParticles(region, scene, true);
             if (region.failed()) return;
             locateCells(region, scene);
             if (pressing) region.once([&] { findBoxParts(scene, *pressing); });

@@ -21,8 +21,8 @@ template <int Dim> void reflectVelocity(Scene<Dim>& scene, int f) {
         [&](int ghost, int k, double v) { field.setVelocity(ghost, k, v); });
 }
 
-// Finds everything in the grid, and what part of the grid is touched.
-template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scene) {
+// Finds everything in the grid, and what part of the grid is touched. mayDecide: see PartedSoils::divide().
+template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scene, bool mayDecide) {
     do { // once more after sorting
         for (auto& body : scene.bodies) body->domains->locate(region);
         region.wait();
@@ -33,8 +33,8 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
             if (scene.sorted) return;
             for (auto& field : scene.grid.fields) field.forgetExtents();
             for (auto& body : scene.bodies)
-                for (int field : {body->velocityField, scene.groupOf[body->velocityField]})
-                    body->domains->order.markExtents(scene.grid.fields[field]);
+                body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+            scene.parted.divide(scene, mayDecide);
             for (auto& field : scene.grid.fields) field.partitionNodes();
             scene.located = true;
         });
@@ -80,7 +80,7 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
     std::vector<CellAverage<Dim>*> others;
     std::vector<const Body<Dim>*> strangers; // whose cells are not known
     for (auto& other : scene.bodies)
-        if (other->fbar && scene.groupOf[other->velocityField] == scene.groupOf[body.velocityField]) {
+        if (other->fbar && other->velocityField == body.velocityField) {
             if (other.get() != &body) others.push_back(&other->cellAverage);
         } else {
             strangers.push_back(other.get());
@@ -113,7 +113,8 @@ template <int Dim> void locateCells(ParallelRegion& region, const Scene<Dim>& sc
         });
     const auto* boxes = body.domains->boxes();
     const double half = boxes ? boxes->halfSize()[0] : 0;
-    body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes, half);
+    body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes, half,
+                            scene.parted.secondCells(body));
 }
 
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of

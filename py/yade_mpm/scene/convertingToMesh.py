@@ -9,7 +9,7 @@ from ..geometry.meshing import meshThrough
 from ..geometry.numbers import placeText
 from .adding import addConverted, build, newBody
 
-KEPT = ("id", "position")  # what domains have of their own
+KEPT = ("id", "position", "side")  # what domains have of their own
 ROUND_OFF = 1e-9  # of a box, in its volume when the body was made
 
 

@@ -58,6 +58,8 @@ def _buildBody(scene, entry, stored, material, kind, file):
         core.resizeDomainField(field["name"], len(_stored(stored, "domains", field["name"], body, file)))
     if entry["hasBodyForce"]:
         core.view("bodyForce", False)
+    if entry.get("hasSides"):
+        core.addSides()
     if entry.get("hasPores"):
         addPores(body)
     _fill(body, storedFields(body), False, stored, file)

@@ -149,6 +149,7 @@ def _describeBody(body, material, kind):
         "largestInertialMass": body._core.largestInertialMass,
         "hasBodyForce": body._core.hasBodyForce,
         "hasPores": body._core.hasPores,
+        "hasSides": body._core.hasSides,
         "convertsTo": body.convertsTo,
     }
 

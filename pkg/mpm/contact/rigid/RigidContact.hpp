@@ -36,6 +36,8 @@ struct RigidPair {
 
 class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, public VelocityCoupling {
   public:
+    bool needsOneField() const override { return true; }
+
     std::vector<double> friction;     // -, of each rigid body,
     std::vector<double> masses;       // Mg (2D: Mg/m), and its mass; zero: it does not yield
     std::vector<double> soilFriction; // -, of each body of the scene; empty: no limit

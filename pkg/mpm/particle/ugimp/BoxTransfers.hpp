@@ -106,7 +106,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Weights w = weightsOf(p, 1);
         for (int n = 0; n < 3 * rows; ++n) {
-            int node = cell_[p];
+            int node = Base::firstNodes()[p];
             double phi = 1;
             Vec<Dim> gradient = Vec<Dim>::Ones();
             for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
@@ -125,8 +125,9 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     using Base::cell_, Base::local_, Base::half_, Base::overRadius_;
 
     void cellsChanged(int begin, int end) override {
+        const int* nodes = Base::firstNodes();
         for (int p = end - 1, last = end; p >= begin; --p) {
-            if (p + 1 < end && cell_[p] != cell_[p + 1]) last = p + 1;
+            if (p + 1 < end && nodes[p] != nodes[p + 1]) last = p + 1;
             runEnd_[p] = last;
         }
         if (grid.isGraded()) findUnequal(begin, end);
@@ -235,7 +236,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
 
     // f(begin, end, its first node) for the runs of a batch.
     template <class F> MPM_INLINE void forRuns(int first, int count, F&& f) const {
-        const int *cells = cell_.data() + first, *ends = runEnd_.data() + first;
+        const int *cells = Base::firstNodes() + first, *ends = runEnd_.data() + first;
         for (int begin = 0, end; begin < count; begin = end) {
             end = std::min(ends[begin] - first, count);
             f(begin, end, cells[begin]);
@@ -310,7 +311,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     // As many particles of a run as there are lanes: f(first of them, its first node). Lanes without a
     // particle belong to the next ones, which come later.
     template <class F> MPM_INLINE void forLanes(int first, int count, F&& f) const {
-        const int *cells = cell_.data() + first, *ends = runEnd_.data() + first;
+        const int *cells = Base::firstNodes() + first, *ends = runEnd_.data() + first;
         for (int p = 0; p < count; p = std::min(ends[p] - first, p + lanes)) f(p, cells[p]);
     }
 

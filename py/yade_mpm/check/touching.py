@@ -9,6 +9,7 @@ from ..geometry.mesh import Mesh, boundaryFacets
 from ..geometry.numbers import placeText
 
 THIN = 2  # cells; in a wall as thick as that no node feels the soil on both sides of it
+PARTED = 0.5  # cells; a wall that parts soil moves it as far as itself from this thickness on
 OPPOSITE = -0.9  # cosine between the normals of the two sides of a wall; flat tips and wedges are none
 ROUNDOFF = 1e-6  # cells
 BESIDE = 0.5  # cells from a wall to where soil is looked for,
@@ -51,16 +52,25 @@ def _thinWall(scene, body, soils):
     for group, others in soils:
         if not len(first):
             return
-        if (body.name, group) in scene._core.partedWalls:
-            continue
+        isParted = (body.name, group) in scene._core.partedWalls
         soil = cKDTree(np.concatenate([b.position for b in others]))
         far, _ = soil.query(middle + BESIDE * cell[:, None] * normal)
         isBeside = far < NEAR * cell
-        found = np.flatnonzero(isBeside[first] & isBeside[second])
+        isThin = isBeside[first] & isBeside[second]
+        if isParted:
+            isThin &= thickness < (PARTED - ROUNDOFF) * cell[first]
+        found = np.flatnonzero(isThin)
         if not len(found):
             continue
         worst = found[np.argmin(thickness[found] / cell[first[found]])]
         thin, size, place = thickness[worst], cell[first[worst]], placeText(middle[first[worst]])
+        if isParted:
+            yield (
+                f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than half a cell of "
+                f"{size:.3g} m, with '{group}' on both sides: if the wall moves sideways, the soil moves "
+                f"less, by a fifth at a quarter of a cell; give cells of {thin / PARTED:.3g} m at most"
+            )
+            return
         yield (
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two cells of {size:.3g} m, "
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "

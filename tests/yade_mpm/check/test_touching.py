@@ -10,7 +10,9 @@ from yade_mpm import box
 MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
 
 
-def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True, beside=True, **law):
+def told(
+    wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True, beside=True, boxes=BOXES, **law
+):
     """Messages about contact of a wall between soils; asOne: which are one body, if of one group; beside: and
     a mesh, so that no wall parts them."""
 
@@ -22,9 +24,9 @@ def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True
     elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
     front, behind = block((4 + thickness, 0), (8, 4)), block((0, 0), (4, 4))
     isBoth = asOne and back == "soil"
-    scene.add("front", front | behind if isBoth else front, elastic, BOXES, group="soil")
+    scene.add("front", front | behind if isBoth else front, elastic, boxes, group="soil")
     if back and not isBoth:
-        scene.add("back", behind, elastic, BOXES, group=back)
+        scene.add("back", behind, elastic, boxes, group=back)
     if beside and isBoth:
         scene.add("mesh", block((7, 4), (8, 4.5)), elastic, MESH, group="soil")
     made = scene.add("wall", block((4, 0), (4 + thickness, 4)), elastic, wall, group="wall")
@@ -46,6 +48,14 @@ def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
     assert told(MESH, dim=dim, asOne=False) == []
     assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells
     assert told(MESH, back=None, dim=dim) == []  # control: soil on one side
+
+
+def test_a_wall_thinner_than_half_a_cell_is_warned_of_though_it_parts_soil():
+    fine = mpm.UGIMP(perCell=4)
+    (text,) = told(MESH, thickness=0.25, cell=1.0, beside=False, boxes=fine)
+    assert "is 0.25 m thick at (4.25, 0.125), less than half a cell of 1 m" in text
+    assert text.endswith("give cells of 0.5 m at most")
+    assert told(MESH, thickness=0.5, cell=1.0, beside=False, boxes=fine) == []
 
 
 def test_walls_that_lean_are_found_too():

@@ -69,8 +69,9 @@ class Certificate:
     energyError : largest |energy error| over the work done, -.
     dampedRatio : energy taken by local damping, and by the solution for implicit bodies, over the work done,
         at the end, -.
-    dampedShare : largest share of the work that damping took in any tenth of the rows: of the load that moves
-        something, the part that damping carries then, -; nan where no tenth does 5 % of the mean work.
+    dampedShare : largest share that damping took, in any tenth of the rows, of the work of the prescribed
+        motions (of all work where nothing is prescribed): of the load that moves something, the part that
+        damping carries then, -; nan where no tenth does 5 % of the mean work.
     inertialShare : largest change of the kinetic energy in any tenth of the rows over the work of the
         prescribed motions in it, -: of their load, the part that is inertia then; None: nothing is
         prescribed, or the history does not tell, or no tenth does 5 % of the mean work.
@@ -208,14 +209,15 @@ def quasiStatic(
         kinetic, onLoad = free, work - (kinetic - free)
     if "implicitEnergy" in _names(history):
         damped = damped + np.asarray(history["implicitEnergy"], dtype=float)[rows]
+    prescribed = _prescribed(history, rows, onLoad - work)
     loadJump, needs = _loadJump(history, rows)
     return Certificate(
         kineticRatio=_largest(kinetic, onLoad),
         unbalancedRatio=float(unbalanced.mean()),
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),
-        dampedShare=_carried(damped, work),
-        inertialShare=_inertial(history, rows, kinetic, onLoad - work),
+        dampedShare=_carried(damped, work if prescribed is None else prescribed),
+        inertialShare=_inertial(kinetic, prescribed),
         hourglassRatio=_ratioOf("hourglassEnergy", history, rows, work),
         unseenRatio=_ratioOf("unseenEnergy", history, rows, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
@@ -285,19 +287,25 @@ def _carried(taken, work):
     return float((took[moves] / done[moves]).max()) if moves.any() else math.nan
 
 
-def _inertial(history, rows, kinetic, carried):
-    """Largest change of the kinetic energy over the work of the prescribed motions in a tenth of the rows, or
-    None. carried: what they do on the bodies that they carry along, of which no load speaks."""
+def _prescribed(history, rows, carried):
+    """Work of the prescribed motions at the rows, or None where they do none. carried: what they do on the
+    bodies that they carry along, of which no load speaks."""
     names = [n for n in _names(history) if n.endswith(".work")]
     if not names:
         return None
     each = [np.abs(np.diff(np.asarray(history[n], dtype=float)[rows])) for n in names]
     work = np.r_[0.0, np.cumsum(np.sum(each, axis=0))] + carried - carried[0]
-    if not np.isfinite(work).all() or not work[-1] > 0:
+    return work if np.isfinite(work).all() and work[-1] > 0 else None
+
+
+def _inertial(kinetic, prescribed):
+    """Largest change of the kinetic energy over the work of the prescribed motions in a tenth of the rows, or
+    None."""
+    if prescribed is None:
         return None
-    ends = np.unique(np.linspace(0, len(work) - 1, 11).round().astype(int))
+    ends = np.unique(np.linspace(0, len(kinetic) - 1, 11).round().astype(int))
     changed = np.r_[0.0, np.cumsum(np.abs(np.diff(kinetic[ends])))]
-    share = _carried(np.interp(np.arange(len(work)), ends, changed), work)
+    share = _carried(np.interp(np.arange(len(kinetic)), ends, changed), prescribed)
     return None if math.isnan(share) else share
 
 

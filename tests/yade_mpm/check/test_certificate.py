@@ -87,6 +87,19 @@ def test_what_damping_carries_for_a_while_is_seen():
     assert told == "NOT quasi-static: damping carried up to 20 % of the load (limit 10 %)"
 
 
+def test_what_damping_carries_is_a_part_of_what_presses_not_of_the_weight():
+    held = bar(0.1)
+    held["push.work"] = held["workDone"]
+    held["dampedEnergy"] = 0.12 * held["push.work"]
+    held["workDone"] = 3 * held["push.work"]  # two thirds by what sinks
+    found = mpm.quasiStatic(held)
+    assert found.dampedRatio == pytest.approx(0.04, rel=1e-9)
+    assert found.dampedShare == pytest.approx(0.12, rel=1e-9)
+    assert verdict(found) == "NOT quasi-static: damping carried up to 12 % of the load (limit 10 %)"
+    del held["push.work"]
+    assert mpm.quasiStatic(held).dampedShare == pytest.approx(0.04, rel=1e-9)  # control
+
+
 @pytest.mark.parametrize("share", [0.025, 0.0499, 0.0501, 0.1])
 def test_what_of_the_load_accelerates_the_soil_for_a_while_is_seen(share):
     """In one of the tenths of the last 9 s, from 6.4 to 7.3 s; in all it is less than 1 % of the work."""

@@ -96,7 +96,7 @@ template <int Dim> class CellAverage {
             cell.uneven = mayOpen || isAmongMeshes(at) ? 1 : unevenness(cell, sum / double(around.size()));
             if (isMesh_ && cell.inside > 0 && total_[at] < coveredByVertices)
                 sparse_[where_.slabOf(c)].push_back(c);
-            if (!mayOpen && least == 0) holes_.look(grid, at, where_.slabOf(at), cover);
+            if (!mayOpen && least == 0) holes_.look(grid, at, where_.slabOf(c), cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
@@ -273,7 +273,7 @@ template <int Dim> class CellAverage {
         cells_.resize(halves * count_);
         cover_.resize(halves * count_);
         for (auto& component : acting_) component.resize(halves * count_);
-        holes_.resize(grid.slabs());
+        holes_.resize(halves * grid.slabs());
         sparse_.resize(halves * grid.slabs());
         extents_.resize(halves * grid.slabs());
     }

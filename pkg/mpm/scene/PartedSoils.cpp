@@ -168,6 +168,7 @@ template <int Dim> void PartedSoils<Dim>::findOf(Scene<Dim>& scene, int soil) {
 }
 
 template <int Dim> void PartedSoils<Dim>::find(Scene<Dim>& scene) {
+    const std::vector<Wall> before = std::move(walls_);
     walls_.clear();
     soils_.clear();
     for (auto& body : scene.bodies)
@@ -176,6 +177,13 @@ template <int Dim> void PartedSoils<Dim>::find(Scene<Dim>& scene) {
                                        [](auto& engine) { return !engine->dead && engine->needsOneField(); });
     if (scene.scheme->stressFirst || !isWanted) return;
     for (int group = 0; group < int(scene.groups.size()); ++group) findOf(scene, group);
+    const auto isSame = [](const Wall& a, const Wall& b) {
+        return a.body == b.body && a.soil == b.soil && a.front == b.front;
+    };
+    const bool areSame = std::equal(before.begin(), before.end(), walls_.begin(), walls_.end(), isSame);
+    if (before.empty() || areSame) return; // none before: particles may have the sides of a checkpoint
+    for (auto& body : scene.bodies)
+        if (body->particles.hasSides) body->particles.side.fill(0);
 }
 
 template <int Dim> void PartedSoils<Dim>::divide(Scene<Dim>& scene, bool mayDecide) {

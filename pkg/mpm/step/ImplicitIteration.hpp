@@ -31,7 +31,8 @@ template <int Dim> class ImplicitIteration {
             if (particle.rows > 0) return false; // of a beam
             for (double control : particle.control)
                 if (control != 0) columns_ = most;
-            if (particle.begin < particle.end && strained.entries[particle.begin].hoop != 0) columns_ = most;
+            isRound_ |= particle.begin < particle.end && strained.entries[particle.begin].hoop != 0;
+            if (isRound_) columns_ = most;
         }
         return true;
     }
@@ -113,6 +114,7 @@ template <int Dim> class ImplicitIteration {
     double square_ = 0, stiffest_ = 0;
     int columns_ = Dim;
     std::array<bool, Dim> isFree_; // everywhere
+    bool isRound_ = false;         // a motion along r strains rings
     std::vector<Particle> particles_;
     std::vector<int> places_;     // of the nodes of all particles
     std::vector<double> weights_; // columns_ of each
@@ -164,7 +166,7 @@ template <int Dim> class ImplicitIteration {
             momentum -= product_[n];
             mass += mass_[n];
         }
-        for (int k = 0; k < Dim; ++k)
+        for (int k = isRound_ ? 1 : 0; k < Dim; ++k)
             for (size_t n = 0; n < mass_.size() && isFree_[k]; ++n) solution_[n][k] += momentum[k] / mass[k];
     }
     // What acts by each column.

@@ -153,6 +153,12 @@ def _rigidWalls(scene, contact):
             "strength where rigid bodies squeeze it, for they press with other weights than the stress; make "
             "it UGIMP or APDI"
         )
+    isBeside = any(b.implicit for b in scene.bodies) or any(isinstance(e, PoreWater) for e in scene.engines)
+    if contact.normalLaw == "rigid" and isBeside:
+        yield (
+            "RigidContact: normalLaw = 'rigid' finds its impulses before pore water and implicit bodies act, "
+            "and no test has it beside them; take 'penalty', or press with a mesh and a Contact"
+        )
 
 
 def stiffContacts(scene):
@@ -163,7 +169,8 @@ def stiffContacts(scene):
     share = scene.stepper.dt / scene.dtCritical
     for contact in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
         isGiven = contact.stiffness is not None and not np.isnan(contact.stiffness)
-        for body in scene.bodies if contact._core.bodies and not isGiven else ():
+        isRigid = contact.normalLaw == "rigid"
+        for body in scene.bodies if contact._core.bodies and not isGiven and not isRigid else ():
             perCell = getattr(body.type, "perCell", None)
             half = 0.5 / min(perCell) if perCell else 0.0  # of a box, in cells; a vertex has no size
             most = 4 * max(0.0, 1 - share**2) / (1 / (1 - half) + 4 * half)

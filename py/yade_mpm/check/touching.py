@@ -76,7 +76,8 @@ def _thinWall(scene, body, soils):
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
             "only half as far, and resists up to a quarter too little; if the wall stands between grid "
             "lines, only a third to a half of its friction acts; dry soil of boxes alone is parted by a "
-            f"straight wall of half a cell or more; else give cells of {thin / THIN:.3g} m at most"
+            "straight wall of half a cell or more, without rigid bodies and USF; else give cells of "
+            f"{thin / THIN:.3g} m at most"
         )
         return
 

@@ -18,6 +18,7 @@ from .supports import timeRows
 
 UNITS = {"heads": "level, m, or a dict time -> level", "inflows": "flow, m/s"}
 OF_BODIES = ("permeability", "porosity")  # which particles take from it when they are made
+WAITING = ("waits", "waitsAt", "waited")  # where its tables stand, of the one in the scene
 
 
 class PoreWater(generated["PoreWater"]):
@@ -128,7 +129,7 @@ in front of it takes in what the soil sucks, as if it rained."""
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
         mine, its = (one.attributes() for one in (self, other))
-        ignored = (*OF_BODIES, "iterations", "outflow", "inflow", "debt", "changes", "label")
+        ignored = (*OF_BODIES, *WAITING, "iterations", "outflow", "inflow", "debt", "changes", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
     def _overTime(self):

@@ -30,8 +30,9 @@ def checkWater(scene, name, material, water, implicit):
             f"{pores:g} Mg/m3 of the water in its pores; look at density = {water.density:g} and porosity = "
             f"{water.porosity:g} of the PoreWater"
         )
-    water._enter(scene)
     there = waterOf(scene)
+    if there is not water:  # which may have had other boundaries since
+        water._enter(scene)
     if there is not None and there is not water and (different := there._sameAs(water)):
         raise ValueError(
             f"body '{name}': water has another {different[0]} than that of the scene; only permeability and "

@@ -223,6 +223,25 @@ def test_a_stage_may_give_faces_another_water():
     refused("heads has 'lift'", lambda: setattr(water, "heads", {"lift": 1.0}))
 
 
+def test_a_lift_after_a_stage_leaves_faces_and_tables_as_they_are():
+    """It has the water of the scene, or one that is equal but for its permeability."""
+    scene = mpm.Scene((0, 0), (1, 2), 0.25, gravity=9.81)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    law = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.2)
+    water = mpm.PoreWater(table=1.0, heads={"left": 0.5}, drained="right")
+    scene.add("soil", box((0, 0), (1, 1)), law, mpm.UGIMP(), water=water)
+    scene.groundStress(K0=0.5)
+    scene.settle(maxSteps=2000, tolerance=0.5, progress=False)
+    assert water.waited > 0
+    water.heads, water.drained = {"left": 1.0}, []
+    scene.add("same", box((0, 1), (1, 1.25)), law, mpm.UGIMP(), water=water)
+    other = mpm.PoreWater(table=1.0, heads={"left": 1.0}, permeability=1e-5)
+    scene.add("other", box((0, 1.25), (1, 1.5)), law, mpm.UGIMP(), water=other)
+    assert waterOf(scene) is water
+    assert (water.heads, water.drained) == ((0, 0, 1), ())
+
+
 @pytest.mark.parametrize("name", ["permeability", "porosity"])
 def test_what_particles_have_is_not_set_in_the_water(name):
     water = mpm.PoreWater()

@@ -41,6 +41,7 @@ template <int Dim> class RigidImpulses {
         asked_ = 0;
         sites_.clear();
         parts_.clear();
+        for (const Node& node : nodes_) place_[node.field][node.number] = -1; // of a step that an error has ended
         nodes_.clear();
         place_.resize(scene.grid.fields.size());
         for (auto& of : place_) of.resize(scene.grid.count, -1);
@@ -86,7 +87,6 @@ template <int Dim> class RigidImpulses {
             give(row, row.site.impulse);
         }
         sweep([&](Row& row) { return better(row); });
-        for (auto& node : nodes_) place_[node.field][node.number] = -1;
     }
 
     const RigidSite& operator[](int site) const { return sites_[site].site; }

@@ -81,6 +81,7 @@ void RigidContact::takePenalty(const Scene<Dim>& scene, const BodyPoints<Dim>& p
 
 // For the points as they are in this step.
 template <int Dim> void RigidContact::setPenalty(const Scene<Dim>& scene, const Points<Dim>& points) {
+    if (!isSoft()) return;
     stiffnessUsed = chooseStiffness(scene, points);
     softenForLightBodies(scene, points);
     softTo_ = normalLaw != "Hertz"       ? 0

@@ -48,6 +48,18 @@ def test_a_plate_carries_what_it_presses(kind, dim):
     assert force < 0.8 and overlap > 0.2
 
 
+@pytest.mark.parametrize("implicit", [True, False])
+def test_implicit_bodies_beside_it_are_warned_of(implicit, recwarn):
+    scene = mpm.Scene((0, 0), (1, 1), 0.1, threads=1)
+    scene.add("block", box((0.2, 0), (0.8, 0.4)), elastic(1e4), mpm.APDI(size=0.05), implicit=implicit)
+    contact = mpm.RigidContact(normalLaw="rigid")
+    contact.addBody(rigid.Box((0.5, 0.1)), position=(0.5, 0.5), velocity=(0, -0.1))
+    scene.engines = chain(contact, roller=("bottom",))
+    scene.dt = 1e-4
+    scene.run(steps=1, progress=False)
+    assert any("no test has it beside them" in str(w.message) for w in recwarn) == implicit
+
+
 def bounced(kind, mass, radius, law="rigid", known=True):
     """A disc that falls on undamped soil: largest energy of all during it, and that of the disc at the end,
     over what it brought."""

@@ -71,8 +71,8 @@ template <int Dim> class SharedCells {
     const std::vector<Force>& forcesOfCells() const { return ofCells_; }
 
     // For the water in the pores of the soil, which flows as its volume changes. The takers of what flows out of a cell,
-    // with the part of each; nullptr: it keeps all. Whether a cell takes and is closed. The volume of a group at the
-    // corners of givers, m3.
+    // with the part of each; nullptr: it keeps all. Whether a cell takes and is closed; whether a giver is empty and open
+    // to the air. The volume of a group at the corners of givers, m3.
     struct Part {
         int cell;
         double part;
@@ -84,6 +84,7 @@ template <int Dim> class SharedCells {
         const auto found = takers_.find(cell);
         return found != takers_.end() && found->second.isClosed;
     }
+    bool isAir(int giver) const { return isAir_[giver]; }
     template <class F> void forVolumes(F&& f) const { // f(node, group, volume)
         for (int node : nodes_)
             for (size_t g = 0; g < volumes_.size(); ++g) f(node, int(g), volumeOf(int(g), node));

@@ -165,6 +165,8 @@ template <int Dim> class PoreSolids {
         if (to && hasSoil &&
             std::none_of(to->begin(), to->end(), [&](const auto& part) { return part.cell == cell; }))
             return nullptr; // no taker: what strains its soil is not known there
+        if (to && !hasSoil && shared_->isAir(cell) && !(solid_[cell] > PoreFill<Dim>::fullFrom))
+            return nullptr; // over a free surface, where the nodes have next to no mass that pressure could act on
         const bool is = to && std::any_of(to->begin(), to->end(),
                                           [&](const auto& part) { return shared_->isClosed(part.cell); });
         return is ? to : nullptr;

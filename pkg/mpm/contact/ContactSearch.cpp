@@ -60,6 +60,8 @@ template <int Dim> void ContactSearch<Dim>::findPair(int a, int b, const SearchR
     ContactPair<Dim> pair{};
     pair.firstNode = nodes.size();
     pair.firstPoint = points.size();
+    pair_.firstOfGroups = nodes.size();
+    pair_.owner = 0;
     pair.group[0] = a;
     pair.group[1] = b;
     Vec<Dim> motion[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
@@ -77,6 +79,8 @@ template <int Dim> void ContactSearch<Dim>::findPair(int a, int b, const SearchR
     pair.endNode = nodes.size();
     pair.endPoint = points.size();
     if (pair.firstNode == pair.endNode) return;
+    pair_.first = pair.firstNode;
+    if (pair.ownsFacets) shareFacets(pair_, points, pair.firstPoint);
     for (int side = 0; side < 2; ++side) {
         pair.hasEdges[side] = edges[side] > 0;
         pair.motionOfEdges[side] = motion[side] / std::max(1, edges[side]);

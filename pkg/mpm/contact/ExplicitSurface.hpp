@@ -25,6 +25,7 @@ template <int Dim> class ExplicitSurface {
         // Outward and extent of what soil on the other side of a wall sees, which is all one where that ends.
         Vec<Dim> hidden = Vec<Dim>::Zero();
         double hiddenExtent = 0;
+        bool seesAll = false; // nothing is hidden here
 
         // What a surface has left of its area when its directions are added up: 1 for a plane, less at an
         // edge.
@@ -68,6 +69,19 @@ template <int Dim> class ExplicitSurface {
         for (int i = firstAt_[vertex]; i < firstAt_[vertex + 1]; ++i) f(facetsAt_[i]);
     }
 
+    // A vertex of a mesh with all of its facets.
+    Vertex whole(const Body<Dim>& body, Vertex vertex) const {
+        vertex.outward = vertex.across = Vec<Dim>::Zero();
+        vertex.extent = 0;
+        forFacetsAt(vertex.number, [&](int facet) {
+            const Vec<Dim> part =
+                areaOf(body.domains->mesh()->vertexPositions(), facets_.facets[facet]) / facets_.size;
+            vertex.add(part, part.norm());
+        });
+        vertex.size = vertex.outward.norm();
+        vertex.seesAll = true;
+        return vertex;
+    }
     // The parts of a vertex at an edge of a mesh: one for each face, of facets that look nearly the same way.
     std::vector<Vertex> facesAt(const Body<Dim>& body, const Vertex& vertex) const {
         std::vector<Vertex> faces;
@@ -75,7 +89,7 @@ template <int Dim> class ExplicitSurface {
             const Vec<Dim> part =
                 areaOf(body.domains->mesh()->vertexPositions(), facets_.facets[facet]) / facets_.size;
             const double area = part.norm();
-            if (isHidden(part)) return;
+            if (!vertex.seesAll && isHidden(part)) return;
             const auto isAlike = [&](const Vertex& face) {
                 return face.outward.dot(part) > ofOneFace * face.outward.norm() * area;
             };

@@ -82,21 +82,26 @@ template <int Dim> class NearbyNodes {
                near_[nearestNode(grid, x)] >= 0;
     }
 
-    SurroundingNodes<Dim> around(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+    // f(corner, node) for the nodes of the cell round a point; part: of its edges that is below the point.
+    template <class F> static void forCorners(const Grid<Dim>& grid, const Vec<Dim>& x, double* part, F&& f) {
         int first = 0;
-        double part[Dim];
         for (int k = 0; k < Dim; ++k) {
             const double c = grid.inCells(x[k], k);
             const PlaceInCell place(c);
             first += int(place.below) * grid.strides[k];
             part[k] = place.partOf(c);
         }
-        SurroundingNodes<Dim> around;
-        for (int corner = 0; corner < around.size; ++corner) {
+        for (int corner = 0; corner < SurroundingNodes<Dim>::size; ++corner) {
             int node = first;
             for (int k = 0; k < Dim; ++k) node += corner >> k & 1 ? grid.strides[k] : 0;
-            around.contact[corner] = contact_[node];
+            f(corner, node);
         }
+    }
+
+    SurroundingNodes<Dim> around(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+        double part[Dim];
+        SurroundingNodes<Dim> around;
+        forCorners(grid, x, part, [&](int corner, int node) { around.contact[corner] = contact_[node]; });
         around.weigh(part, around.S);
         return around;
     }

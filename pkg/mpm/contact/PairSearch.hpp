@@ -31,16 +31,18 @@ template <int Dim> struct PairSearch {
 
     const Scene<Dim>* scene = nullptr;
     std::vector<ContactNode<Dim>>* nodes = nullptr; // of all pairs; those of this pair come last,
-    size_t first = 0;                               // from this one on
-    int field[2];                                   // numbers of the groups
-    bool isExplicit[2];                             // whether their surface is explicit altogether
-    bool hasOutline[2];                             // whether they have boxes that carry an outline
-    bool ownsFacets;                                // see OwnedFacets
-    Vec<Dim> lastMotion[2], lastDirection[2];       // of the edges of each group, see EdgeMotions,
-    Vec<Dim> motion[2];                             // and how they move now, in the mean,
-    int edges[2];                                   // of so many nodes
-    bool isSolved;                                  // whether the nodes have the velocities of the solution,
-    bool asksForSolution = false;                   // and whether something depends on them
+    size_t first = 0;                               // from this one on,
+    size_t firstOfGroups = 0; // after those of the same groups with other fields, from this one on
+    int field[2];             // numbers of the groups
+    int owner = 0;            // which of them owns facets
+    bool isExplicit[2];       // whether their surface is explicit altogether
+    bool hasOutline[2];       // whether they have boxes that carry an outline
+    bool ownsFacets;          // see OwnedFacets
+    Vec<Dim> lastMotion[2], lastDirection[2]; // of the edges of each group, see EdgeMotions,
+    Vec<Dim> motion[2];                       // and how they move now, in the mean,
+    int edges[2];                             // of so many nodes
+    bool isSolved;                            // whether the nodes have the velocities of the solution,
+    bool asksForSolution = false;             // and whether something depends on them
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];
@@ -50,6 +52,27 @@ template <int Dim> struct PairSearch {
     // Whether a soil that a wall parts is one on a node.
     bool isBonded(int node) const {
         return scene->parted.isBonded(field[0], node) || scene->parted.isBonded(field[1], node);
+    }
+    // The contact node of the first field where both fields of a soil are one; -1: there is none.
+    int bondedNode(int node) const {
+        const auto begin = nodes->begin() + firstOfGroups, end = nodes->begin() + first;
+        const auto found =
+            std::lower_bound(begin, end, node, [](const auto& contact, int n) { return contact.node < n; });
+        return found != end && found->node == node && isBonded(node) ? int(found - nodes->begin()) : -1;
+    }
+    // A vertex as this field of a soil sees it. Where the soil is one on all nodes round it, its first field is all
+    // there is. false: it does not see the vertex.
+    bool see(const Body<Dim>& body, const ExplicitSurface<Dim>& surface, Vertex& vertex) const {
+        if (scene->parted.partnerOf(field[0]) < 0 && scene->parted.partnerOf(field[1]) < 0) return true;
+        bool isOne = true;
+        double part[Dim];
+        nearby.forCorners(grid(), vertex.position, part, [&](int corner, int node) {
+            int& contact = vertex.around.contact[corner];
+            if (contact < 0) contact = bondedNode(node);
+            if (vertex.around.S[corner] > 0) isOne &= isBonded(node);
+        });
+        if (isOne && vertex.number >= 0) vertex = surface.whole(body, vertex);
+        return !isOne || (scene->parted.isFirst(field[0]) && scene->parted.isFirst(field[1]));
     }
     // What the other group does not see of a body of a side, see PartedSoils.
     Vec<Dim> hidden(int side, const Body<Dim>& body) const {
@@ -98,5 +121,8 @@ template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rul
 template <int Dim> void findGaps(PairSearch<Dim>& pair);
 // Vertices of meshes between the nodes.
 template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points);
+// What nodes and points have of the surface, those of all fields of two groups: points from number `first` on.
+template <int Dim>
+void shareFacets(const PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points, size_t first);
 
 } // namespace mpm

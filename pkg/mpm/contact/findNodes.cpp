@@ -61,12 +61,13 @@ template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
         pair.boxes[side].find(*pair.scene, pair.field[side], pair.nearby);
         pair.partners[side].find(*pair.scene, pair.scene->parted.partnerOf(pair.field[side]), pair.nearby);
         pair.forNodes([&](ContactNode<Dim>& contact) {
-            const auto add = [&](const NearbyBoxes<Dim>& boxes) {
-                if (!boxes.isEmpty())
-                    boxes.addTo(contact.surface[side], grid, pair.nearby, contact.node, contact.position);
-            };
-            add(pair.boxes[side]);
-            if (pair.isBonded(contact.node)) add(pair.partners[side]);
+            if (!pair.boxes[side].isEmpty())
+                pair.boxes[side].addTo(contact.surface[side], grid, pair.nearby, contact.node,
+                                       contact.position);
+            if (!pair.isBonded(contact.node) || pair.partners[side].isEmpty()) return;
+            pair.partners[side].addTo(contact.partner, grid, pair.nearby, contact.node, contact.position);
+            contact.surface[side].outward += contact.partner.outward;
+            contact.surface[side].moment += contact.partner.moment;
         });
         pair.forSurfaces(side, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
             surface.find(body, grid, pair.nearby, pair.hidden(side, body));

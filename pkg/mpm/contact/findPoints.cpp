@@ -93,7 +93,8 @@ template <int Dim> struct SmoothVertices {
                 faces.push_back(count);
                 bin.push_back(pair.nearby.number(vertex.node));
             };
-            for (const Vertex& near : surface.near) {
+            for (Vertex near : surface.near) {
+                if (!pair.see(of, surface, near)) continue;
                 const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
                 if (vertex.size <= leastLeft * near.extent) continue;
                 if (vertex.isFlatter(edgeFlatness)) {
@@ -112,14 +113,20 @@ template <int Dim> struct SmoothVertices {
     int facesAt(int place) const { return faces[bins.point(place)]; }
 };
 
-// Boxes as a node sees them, less those faces of them that lie on a plane of symmetry.
+// Boxes as a node sees them, less those faces of them that lie on a plane of symmetry. all: of both fields of a soil
+// where that is one.
 template <int Dim> struct SeenBoxes {
     Vec<Dim> outward;
     Mat<Dim> moment;
 };
 template <int Dim>
-SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact, int side) {
+SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact, int side, bool all) {
     SeenBoxes<Dim> seen{contact.surface[side].outward, contact.surface[side].moment};
+    if (!all && pair.isBonded(contact.node)) {
+        const bool isSecond = contact.field[side] != pair.field[side];
+        seen.outward = isSecond ? contact.partner.outward : Vec<Dim>(seen.outward - contact.partner.outward);
+        seen.moment = isSecond ? contact.partner.moment : Mat<Dim>(seen.moment - contact.partner.moment);
+    }
     for (int k = 0; k < Dim && pair.ownsFacets; ++k)
         if (pair.areBothHeld(contact.node, k)) {
             seen.outward[k] = 0;
@@ -143,7 +150,7 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
     for (int corner = 0; corner < own.around.size; ++corner) {
         if (own.around.contact[corner] < 0) continue;
         const ContactNode<Dim>& contact = (*pair.nodes)[own.around.contact[corner]];
-        const auto [outward, moment] = boxesAt(pair, contact, 1 - side);
+        const auto [outward, moment] = boxesAt(pair, contact, 1 - side, own.seesAll);
         const double S = own.around.S[corner];
         const double area = -S * outward.dot(n);
         facing += area;
@@ -217,7 +224,7 @@ template <int Dim> void leaveTheRest(const PairSearch<Dim>& pair, ContactNode<Di
 
 // And the points take all of the surface at nodes that do not act, or what the other group has of it where that ends:
 // the surface of boxes is uneven, and the mean of the smaller areas is too small.
-template <int Dim> void takeTheRest(PairSearch<Dim>& pair, ContactPoint<Dim>& point, int owner) {
+template <int Dim> void takeTheRest(const PairSearch<Dim>& pair, ContactPoint<Dim>& point, int owner) {
     const double size = point.area;
     double own = 0, other = 0;
     point.area = 0;
@@ -260,9 +267,9 @@ template <int Dim> void weighOther(const Grid<Dim>& grid, ContactPoint<Dim>& poi
 
 template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points) {
     const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
-    const size_t first = points.size();
     // Of two meshes only the finer one owns facets.
     const int coarser = vertices[0].bins.count() < vertices[1].bins.count() ? 0 : 1;
+    if (!vertices[0].isEmpty() || !vertices[1].isEmpty()) pair.owner = 1 - coarser;
     for (int side = 0; side < 2; ++side)
         for (int v = 0; v < vertices[side].bins.count(); ++v) {
             if (pair.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
@@ -290,15 +297,20 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
             if (pair.ownsFacets) takeFacets(pair, own, h, point);
             points.push_back(point);
         }
-    if (!pair.ownsFacets) return;
+}
+
+template <int Dim>
+void shareFacets(const PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points, size_t first) {
     pair.forNodes([&](ContactNode<Dim>& contact) {
         close(contact, pair.grid().meanSize(contact.node).minCoeff());
-        leaveTheRest(pair, contact, 1 - coarser);
+        leaveTheRest(pair, contact, pair.owner);
     });
-    for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i], 1 - coarser);
+    for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i], pair.owner);
 }
 
 template void findPoints(PairSearch<2>&, std::vector<ContactPoint<2>>&);
 template void findPoints(PairSearch<3>&, std::vector<ContactPoint<3>>&);
+template void shareFacets(const PairSearch<2>&, std::vector<ContactPoint<2>>&, size_t);
+template void shareFacets(const PairSearch<3>&, std::vector<ContactPoint<3>>&, size_t);
 
 } // namespace mpm

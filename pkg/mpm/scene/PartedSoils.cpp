@@ -15,8 +15,8 @@ namespace {
 
 constexpr double thick = 2 * (1 - 1e-6); // cells; no node reaches the soil on both sides of such a wall
 constexpr double slender = 2; // least length of a wall along each axis that it ends on, in thicknesses
-// How far inside the ends of a wall it parts the soil, in cells: at its toe a node feels as much soil that goes through.
-constexpr double fromEnd = 0.5;
+// How far inside the ends of a wall it parts the soil, in cells: nearer nodes feel soil that goes through beyond.
+constexpr double fromEnd = 1;
 // An end that is nearer than this to the border of the grid, in cells, has no soil beyond.
 constexpr double atBorder = 0.5;
 constexpr double ofNone = 1e-6;     // cells, a distance that is round-off

@@ -36,6 +36,11 @@ template <int Dim> class PartedSoils {
         const Soil* soil = soilOf(field);
         return soil ? soil->first + soil->second - field : -1;
     }
+    // Whether it is no second field.
+    bool isFirst(int field) const {
+        const Soil* soil = soilOf(field);
+        return !soil || soil->first == field;
+    }
     // Whether the fields of a soil are one on a node.
     bool isBonded(int field, int node) const {
         const Soil* soil = soilOf(field);

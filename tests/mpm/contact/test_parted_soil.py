@@ -102,7 +102,7 @@ def test_soil_that_no_wall_parts_is_one_to_the_last_bit():
 
 @pytest.mark.parametrize("fbar", [True, False])
 def test_a_wall_that_only_touches_the_ground_from_above_parts_nothing(fbar):
-    """It parts soil from half a cell above its lower end."""
+    """It parts soil from a cell above its lower end."""
     (thin, one), (thick, _) = fallen(0.5, 1.5, fbar), fallen(0.5, 3.0, fbar)
     assert len(one._core.partedWalls) == 1
     assert abs(thin - thick).max() < 0.02

@@ -63,7 +63,8 @@ template <int Dim> class PoreCoarse {
             int step = 0, rest = s + ahead;
             for (int k = 0, stride = 1; k < Dim; stride *= wide[k++], rest /= 3)
                 step += (rest % 3 - 1) * stride;
-            for (int block = 0; step > 0 && block + step < most; ++block) // 0 or less: one block is as wide as all
+            for (int block = 0; step > 0 && block + step < most;
+                 ++block) // 0 or less: one block is as wide as all
                 if (numbers_[block] >= 0 && numbers_[block + step] >= 0)
                     band_ = std::max(band_, numbers_[block + step] - numbers_[block]);
         }

@@ -41,7 +41,8 @@ template <int Dim> class RigidImpulses {
         asked_ = 0;
         sites_.clear();
         parts_.clear();
-        for (const Node& node : nodes_) place_[node.field][node.number] = -1; // of a step that an error has ended
+        for (const Node& node : nodes_)
+            place_[node.field][node.number] = -1; // of a step that an error has ended
         nodes_.clear();
         place_.resize(scene.grid.fields.size());
         for (auto& of : place_) of.resize(scene.grid.count, -1);

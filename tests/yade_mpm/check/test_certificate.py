@@ -142,7 +142,8 @@ def stairs(jump, period=1.0, only=None, cells=6.0, turns=False):
     load = 1 + 0.02 * path + jump * sum(steps)
     work = np.r_[0, np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(path))]
     at = np.linspace(0, cells, 101)
-    return {**held, "push.rowsCrossed": 3 + at, "push.work": np.interp(at, path, work)}
+    pushed = np.interp(at, path, work)
+    return {**held, "push.rowsCrossed": 3 + at, "push.work": pushed, "dampedEnergy": 0.01 * pushed}
 
 
 def test_a_load_that_jumps_at_every_row_of_cells_is_seen():

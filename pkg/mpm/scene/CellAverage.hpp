@@ -59,7 +59,7 @@ template <int Dim> class CellAverage {
             for (int slab = firstSlab; slab < endSlab; ++slab)
                 if (!where_.hasKept(slab)) enter(grid, slab);
         });
-        const StrainedMean<Dim> mean(particles.stress, grid);
+        const MeanOfStress mean(particles.stress);
         average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell) {
             cell.volume = cell.weight;
             cell.inside = cell.shared = cell.taken = 0;

@@ -4,7 +4,6 @@
 
 #include "mpm/base/simd/compiler.hpp"
 #include "mpm/state/Field.hpp"
-#include "mpm/state/Grid.hpp"
 
 namespace mpm {
 
@@ -16,16 +15,6 @@ struct MeanOfStress {
     }
     MPM_INLINE double operator()(int p) const {
         return (diagonal[0][p] + diagonal[1][p] + diagonal[2][p]) / 3;
-    }
-};
-// The same over the axes that strain: in plane strain two. It is what does the work of a rate of volume change that
-// these axes share.
-template <int Dim> struct StrainedMean : MeanOfStress {
-    bool isPlane;
-    StrainedMean(const Field& stress, const Grid<Dim>& grid)
-        : MeanOfStress(stress), isPlane(Dim == 2 && !grid.isAxisymmetric) {}
-    MPM_INLINE double operator()(int p) const {
-        return isPlane ? 0.5 * (diagonal[0][p] + diagonal[1][p]) : MeanOfStress::operator()(p);
     }
 };
 

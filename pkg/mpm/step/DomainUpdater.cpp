@@ -59,7 +59,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (!scene.scheme->stressFirst) return;
             region.wait();
             for (auto& body : scene.bodies)
-                if (actsByCells(*body)) CellForces::findMeans(region, *body, scene.grid);
+                if (actsByCells(*body)) CellForces::findMeans(region, *body);
             sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
             if (auto* pressing = scene.template find<PressingOnBoxes>())
                 region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });

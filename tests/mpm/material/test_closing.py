@@ -99,24 +99,21 @@ def test_what_closing_soil_has_gained_bears_no_pressure(cell):
     assert isOpen.any() and np.abs(sand.stress[isOpen]).max() < 1e-10
 
 
-def test_no_box_stands_open_by_more_than_its_cell_has_room():
-    """V/V0 went to 36 in one run of four that differ by round-off, the bulk volume grew by 1.5 to 20 %. A few
-    boxes that fly decide that, by chance: so the mean of three runs (4 to 5 %, single ones 2 to 6.3 %)."""
-    grown = []
-    for shift in (0, 1e-12, 1e-6):
-        scene = mpm.Scene((0, 0), (4, 1.5), 0.1, threads=1)
-        soil = mpm.MohrCoulombDruckerPrager(**{**SAND, "density": 1.8, "frictionAngle": radians(28)})
-        sand = scene.add("sand", box((0, 0), (0.5, 1)), soil, mpm.UGIMP(perCell=2))
-        scene.initialStress(surface=1, K0=0.5)
-        scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
-        sand.velocity[0, 0] += shift
-        scene.run(until=2.0, progress=False)
-        assert sand.volume / sand.initialVolume == pytest.approx(1, abs=0.03)
-        assert sand.volume.sum() == pytest.approx(sand.initialVolume.sum(), rel=2e-3)
-        room = 1.1 * 0.1**2 / (0.97 * sand.initialVolume.min())  # a box by itself in its cell
-        assert (sand.bulkVolume / sand.initialVolume).max() < room
-        grown.append(sand.bulkVolume.sum() / sand.initialVolume.sum())
-    assert np.mean(grown) < 1.06
+@pytest.mark.parametrize("shift", [0, 1e-12, 1e-6])
+def test_no_box_stands_open_by_more_than_its_cell_has_room(shift):
+    """V/V0 went to 36 in one run of four that differ by round-off, the bulk volume grew by 1.5 to 20 %."""
+    scene = mpm.Scene((0, 0), (4, 1.5), 0.1, threads=1)
+    soil = mpm.MohrCoulombDruckerPrager(**{**SAND, "density": 1.8, "frictionAngle": radians(28)})
+    sand = scene.add("sand", box((0, 0), (0.5, 1)), soil, mpm.UGIMP(perCell=2))
+    scene.initialStress(surface=1, K0=0.5)
+    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
+    sand.velocity[0, 0] += shift
+    scene.run(until=2.0, progress=False)
+    assert sand.volume / sand.initialVolume == pytest.approx(1, abs=0.03)
+    assert sand.volume.sum() == pytest.approx(sand.initialVolume.sum(), rel=2e-3)
+    room = 1.1 * 0.1**2 / (0.97 * sand.initialVolume.min())  # a box by itself in its cell
+    assert (sand.bulkVolume / sand.initialVolume).max() < room
+    assert sand.bulkVolume.sum() < 1.06 * sand.initialVolume.sum()
 
 
 @pytest.mark.parametrize("kind", [mpm.UGIMP(), mpm.APDI()])

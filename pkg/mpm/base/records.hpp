@@ -106,8 +106,11 @@ template <class Row> std::vector<Row> rowsFrom(Columns given, const std::string&
         using T = std::decay_t<decltype(member)>;
         const auto found =
             std::find_if(given.begin(), given.end(), [&](const Column& c) { return c.name == name; });
-        if constexpr (std::is_floating_point_v<T> || (!isInteger<T> && !isText<T> && !isQuaternion<T>))
-            if (found == given.end() && std::isnan(component(member, 0))) return; // as in older files
+        if constexpr (!isInteger<T> && !isText<T>)
+            if (found == given.end() && std::isnan(component(member, 0))) {
+                --members; // not known, as in older files
+                return;
+            }
         require(found != given.end(), what, " has no column '", name, "'; give one");
         if constexpr (!isInteger<T> && !isText<T>) widen(*found);
         auto values = std::get_if<std::vector<Entry<T>>>(&found->values);

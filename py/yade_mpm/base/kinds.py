@@ -9,7 +9,6 @@ An argument that is left out, or given as its default, is not looked at.
 
 import functools
 import inspect
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -97,6 +96,10 @@ def _isNumber(value):
     return hasattr(value, "__float__") and not isinstance(value, bool)
 
 
+def _isFinite(value):
+    return _isNumber(value) and abs(value) <= sys.float_info.max  # a whole number may be larger
+
+
 def _areNumbers(value):
     try:
         return np.ndim(value) > 0 and np.asarray(value).dtype.kind in "biuf"
@@ -120,9 +123,9 @@ MESH = ofClass("Mesh", "a Mesh")
 REGION = ofClass("Region", "a region, e.g. mpm.box(...)")
 _ANY = Kind("a number", _isNumber)  # also nan, which no argument may be
 NUMBER = Kind("a number", lambda value: _isNumber(value) and value == value, _ANY)
-POSITIVE = Kind("a positive number", lambda value: _isNumber(value) and 0 < value < math.inf, _ANY)
-NOT_NEGATIVE = Kind("zero or a positive number", lambda v: _isNumber(v) and 0 <= v < math.inf, _ANY)
-FINITE = Kind("a finite number", lambda value: _isNumber(value) and abs(value) <= sys.float_info.max, _ANY)
+POSITIVE = Kind("a positive number", lambda value: _isFinite(value) and value > 0, _ANY)
+NOT_NEGATIVE = Kind("zero or a positive number", lambda value: _isFinite(value) and value >= 0, _ANY)
+FINITE = Kind("a finite number", _isFinite, _ANY)
 SHARE = Kind("a number from 0 to 1", lambda value: _isNumber(value) and 0 <= value <= 1, _ANY)
 NUMBERS = Kind("a list or an array of numbers", _areNumbers)
 WHOLE = Kind("a whole number", lambda value: hasattr(value, "__index__") and not isinstance(value, bool))

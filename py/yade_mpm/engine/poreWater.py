@@ -99,13 +99,13 @@ in front of it takes in what the soil sucks, as if it rained."""
             value, levels = _stages(value) if isinstance(value, dict) else (value, [])
             super()._assign("levels", levels)
         if name in ("table", "rise") and not (isinstance(value, (list, tuple)) and len(value) == 0):
-            rows = [(0.0, value)] if isNumber(value) else _overTime(value)
+            rows = [(0.0, value)] if isNumber(value) else _timed(value)
             rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
             value = timeRows("PoreWater", name, rows, 1, None).ravel().tolist()
         scene = self._owner and self._owner()
         isRows = isinstance(value, (list, tuple)) and all(isNumber(one) for one in value)
-        if name in ("heads", "inflows", "drained") and scene and not isRows:
-            named = {**self._named, name: _byFace(name, value)}
+        if name in ("heads", "inflows", "drained") and scene and not (isRows and len(value)):
+            named = {**self._named, name: {} if isRows else _byFace(name, value)}
             _refuseTwice(named)
             value = _faceRows(scene, name, named[name])
             self.__dict__["_named"] = named
@@ -259,7 +259,7 @@ def _checked(name, given, unit):
     checked = {}
     for face, value in given.items():
         if name == "heads" and (isinstance(value, dict) or np.ndim(value) == 2):
-            checked[face] = timeRows("PoreWater", f"heads of '{face}'", _overTime(value), 1, None).tolist()
+            checked[face] = timeRows("PoreWater", f"heads of '{face}'", _timed(value), 1, None).tolist()
             continue
         if not isNumber(value):
             wanted = unit.replace("level, m", "level in m").replace("flow, m/s", "flow in m/s")
@@ -268,7 +268,7 @@ def _checked(name, given, unit):
     return checked
 
 
-def _overTime(given):
+def _timed(given):
     """Rows (time, value) of a dict time -> value; what is no dict stays."""
     return list(given.items()) if isinstance(given, dict) else given
 

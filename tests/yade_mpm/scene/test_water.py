@@ -221,6 +221,9 @@ def test_a_stage_may_give_faces_another_water():
     assert (water.heads, water.drained) == ((), (0, 2))
     refused("'left' is in ... drained", lambda: setattr(water, "inflows", {"left": 1e-6}))
     refused("heads has 'lift'", lambda: setattr(water, "heads", {"lift": 1.0}))
+    water.drained = []
+    water.heads = {"left": 1.0}  # a face that has been let go
+    assert (water.heads, water.drained) == ((0, 0, 1), ())
 
 
 def test_a_lift_after_a_stage_leaves_faces_and_tables_as_they_are():

@@ -41,8 +41,7 @@ template <int Dim> class RigidImpulses {
         asked_ = 0;
         sites_.clear();
         parts_.clear();
-        for (const Node& node : nodes_)
-            place_[node.field][node.number] = -1; // of a step that an error has ended
+        for (const Node& node : nodes_) place_[node.field][node.number] = -1; // of the step before
         nodes_.clear();
         place_.resize(scene.grid.fields.size());
         for (auto& of : place_) of.resize(scene.grid.count, -1);
@@ -118,9 +117,8 @@ template <int Dim> class RigidImpulses {
   private:
     static constexpr int mostSweeps = 20;
     static constexpr double settled = 1e-3, returned = 0.2;
-    static constexpr double remembered =
-        0.9; // part of the impulses of the step before that a step begins with:
-             // what no motion of the nodes tells apart fades
+    // Part of the impulses of the step before that a step begins with: what no motion of the nodes tells apart fades.
+    static constexpr double remembered = 0.9;
 
     struct Node {
         int field, number;

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import refused
 from rigidScenes import KINDS, Free, momentum, thrown, typeOf
 from setups import chain, elastic
 from yade_mpm import box, rigid
@@ -164,6 +165,17 @@ def test_friction_at_rest_is_held_by_the_history():
     contact._core.set("history", [])
     scene.run(steps=1, progress=False)
     assert abs(contact.forces[0, 0]) < 0.4
+
+
+def test_a_history_from_before_a_column_was_there_is_read():
+    """What a contact may not know is nan; what it must know is asked for."""
+    scene, contact, plate = plateOnGround("uGIMP")
+    scene.run(steps=3, progress=False)
+    history = contact._core.value("history")
+    known = {name: column for name, column in history.items() if name != "bend"}
+    contact._core.set("history", known)
+    assert np.isnan(contact._core.value("history")["bend"]).all() and len(history["bend"])
+    refused("history has no column 'body'", lambda: contact._core.set("history", {"soil": known["soil"]}))
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -31,7 +31,8 @@ TEST(BeamElement, RowsAreTheGradientsOfItsStrains) {
     const SectionStiffness section{1e3, 20, 400};
     for (bool isRound : {false, true}) {
         const BeamElement element(quadrilateral(), section, isRound);
-        const double hinges[2] = {0.01, -0.02}, step = 1e-6;
+        const BeamElement::Plastic hinges = {0.01, -0.02};
+        const double step = 1e-6;
         const auto s = element.strained(deformed(), hinges);
         for (int a = 0; a < 4; ++a)
             for (int k = 0; k < 2; ++k) {
@@ -47,7 +48,7 @@ TEST(BeamElement, RowsAreTheGradientsOfItsStrains) {
 }
 
 TEST(BeamElement, TurningAndMovingDoNotStrainIt) {
-    const double none[2] = {0, 0};
+    const BeamElement::Plastic none = {0, 0};
     const BeamElement element(quadrilateral(), {1e3, 20}, false);
     for (double angle : {0.3, 1.7, 3.1, -2.5})
         for (double e : element.strained(turned(quadrilateral(), angle), none).e) EXPECT_NEAR(e, 0, 1e-14);
@@ -56,7 +57,8 @@ TEST(BeamElement, TurningAndMovingDoNotStrainIt) {
 
 // Clamped at A and moved across at B by w: 12 E I w^2/(2 L^3), as by cubic shape functions.
 TEST(BeamElement, AStraightOneIsExact) {
-    const double none[2] = {0, 0}, L = 2, EI = 30, w = 1e-4;
+    const BeamElement::Plastic none = {0, 0};
+    const double L = 2, EI = 30, w = 1e-4;
     Corners<2> X, x;
     X << 0, L, L, 0, 0, 0, 0.5, 0.5;
     x = X;
@@ -74,7 +76,7 @@ TEST(BeamElement, HingesTurnUntilNoEndHasMoreThanTheLimit) {
     x(1, 1) += 0.1;
     x(1, 2) += 0.1;
     const BeamElement element(X, {1e3, EI, SectionStiffness::none, limit}, false);
-    double hinges[2] = {0, 0}, none[2] = {0, 0};
+    BeamElement::Plastic hinges = {0, 0}, none = {0, 0};
     const double before = element.energy(element.strained(x, none));
     element.yield(element.strained(x, none), hinges);
     const auto s = element.strained(x, hinges);
@@ -83,9 +85,9 @@ TEST(BeamElement, HingesTurnUntilNoEndHasMoreThanTheLimit) {
         element.stiffness(BeamElement::curvature) * s.e[BeamElement::curvature] * element.overVolume();
     EXPECT_NEAR(std::abs(Q) * L / 2 + std::abs(M), limit, 1e-9);
     EXPECT_GT(before, element.energy(s) + limit * (std::abs(hinges[0]) + std::abs(hinges[1])));
-    double again[2] = {hinges[0], hinges[1]};
+    BeamElement::Plastic again = hinges;
     element.yield(s, again);
-    EXPECT_TRUE(again[0] == hinges[0] && again[1] == hinges[1]);
+    EXPECT_EQ(again, hinges);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 // (particle/apdi/BeamElement.hpp); its particles have no stress.
 #include "mpm/material/Material.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/state/SectionState.hpp"
 
 namespace mpm {
 namespace {
@@ -40,15 +41,23 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
         section_.GA = std::isnan(shear_) ? SectionStiffness::none : shear_;
         section_.limitMoment = std::isnan(moment_) ? SectionStiffness::none : moment_;
     }
-    // The mesh knows them by their places (particle/apdi/Beam.hpp).
+    // In the order of SectionState, by which the mesh knows them.
     std::vector<StateVariable> stateVariables() const override {
-        return {{"normalForce", "kN/m", "normal force in the section, tension positive"},
-                {"shearForce", "kN/m", "shear force in the section, see sectionForces"},
-                {"bendingMoment", "kN m/m", "bending moment in the section, see sectionForces"},
-                {"hingeStart", "-", "angle of the plastic hinge at the start of the domain"},
-                {"hingeEnd", "-", "angle of the plastic hinge at the end of the domain"},
-                {"hoopForce", "kN/m", "normal force round the axis, with axial symmetry"},
-                {"hoopMoment", "kN m/m", "bending moment round the axis, with axial symmetry"}};
+        return {
+            {"normalForce", "kN/m", "normal force in the section, tension positive"},
+            {"shearForce", "kN/m", "shear force in the section, see sectionForces"},
+            {"bendingMoment", "kN m/m", "bending moment in the section, see sectionForces"},
+            {"hingeStart", "-", "angle of the plastic hinge at the start of the domain"},
+            {"hingeEnd", "-", "angle of the plastic hinge at the end of the domain"},
+            {"hoopForce", "kN/m", "normal force round the axis, with axial symmetry; 3D: along the width"},
+            {"hoopMoment", "kN m/m", "bending moment round the axis, or along the width"},
+            {"hoopShear", "kN/m", "3D: shear force across the wall, in sections along the line"},
+            {"membraneShear", "kN/m", "3D: shear force in the plane of the wall"},
+            {"twistingMoment", "kN m/m", "3D: twisting moment"},
+            {"plasticCurvature", "1/m", "3D: plastic curvature along the line"},
+            {"plasticHoopCurvature", "1/m", "3D: plastic curvature along the width"},
+            {"plasticTwist", "1/m", "3D: plastic twist"},
+            {"elasticEnergy", "kJ/m2", "elastic energy by the area of the wall"}};
     }
     const SectionStiffness* section() const override { return &section_; }
     // Of a plate of that thickness: waves run as fast as in the beam.
@@ -59,13 +68,9 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
             require(stress[c] == 0, "BeamSection: particles of a beam have no stress; leave it out");
     }
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
-        for (int p = 0; p < points.count; ++p) {
-            double sum = 0; // of the forces in the state, with their compliances
-            const double L = points.initialVolume[p] / thickness_, EI = section_.EI, EA = section_.EA;
-            const double over[] = {1 / EA, 1 / section_.GA + L * L / (12 * EI), 1 / EI, 0, 0, 1 / EA, 1 / EI};
-            for (int k = 0; k < 7; ++k) sum += 0.5 * over[k] * points.state[k][p] * points.state[k][p];
-            energy[p] = sum * points.initialVolume[p] / (points.volume[p] * thickness_);
-        }
+        for (int p = 0; p < points.count; ++p)
+            energy[p] =
+                points.state[elasticEnergy][p] * points.initialVolume[p] / (points.volume[p] * thickness_);
     }
     template <int Dim> void stress(const MaterialPoints<Dim>&) const {}
 

@@ -105,10 +105,12 @@ void ImplicitSystem<Dim>::add(double square, const StrainedNodes<Dim>& strained,
 template <int Dim>
 void ImplicitSystem<Dim>::addBeam(double square, const StrainedNodes<Dim>& strained,
                                   const Strained& particle) {
-    const auto rowsOf = [&](const Entry* at) { return strained.beamRows[at - strained.entries.data()]; };
+    const auto rowsOf = [&](const Entry* at) -> const auto& {
+        return strained.beamRows[at - strained.entries.data()];
+    };
     for (size_t b = 0; b < order_.size(); ++b)
         for (size_t a = b; a < order_.size(); ++a) {
-            const auto below = rowsOf(order_[a]), above = rowsOf(order_[b]);
+            const auto &below = rowsOf(order_[a]), &above = rowsOf(order_[b]);
             for (int r = 0; r < particle.rows; ++r)
                 for (int j = 0; j < Dim; ++j)
                     for (int i = a == b ? j : 0; i < Dim; ++i)

@@ -70,12 +70,13 @@ def sectionForces(body, axis=None, at=None) -> SectionForces:
         linear, and misses q h^2/8 of a load q, and F h/8 of the peak at a point load F, which acts on the
         nodes of the cells round it. At an end of the body N and Q are those half a cell inside.
 
-    Of a `Beam` they are those of its own sections; where its line is not straight, by the length along it.
+    Of a `Beam` in 2D they are those of its own sections; where its line is not straight, by the length along
+    it. In 3D they are of all its width.
 
     Raises ValueError for an empty body, one with F-bar, or an axis or a position that is not allowed.
     """
     _check(body)
-    if isBeam(body.material):
+    if isBeam(body.material) and body.scene.dim == 2:
         return alongBeam(body, axis, at)
     along = _axisOf(body, axis)
     width = np.abs(along) @ body.scene.cell

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Beams: walls, piles, plates and linings of real sections along a line."""
+"""Beams: walls, piles, plates and linings of real sections along a line, in 3D drawn along a width."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike
 from ..base.kinds import POSITIVE
 from ..base.wording import shown
 from ..geometry.mesh import Mesh
-from ..geometry.numbers import numbers, placeText
-from ..geometry.regions import polygon
+from ..geometry.numbers import numbers, placeText, vector
+from ..geometry.regions import polygon, prism
 from ..material.materials import classes as materials
 from ..particle.types import classes as types
 
-ALONG = 2  # domains between two sections, as in Beam.hpp
+ALONG = 2  # domains between two fibres, as in Beam.hpp
 PER_CELL = (
     2  # domains across a cell, as of other meshes: soil has to find vertices on the faces and at the ends
 )
@@ -32,21 +32,32 @@ class Beam:
         mpm.sectionForces(wall)
 
     What it resists are N = EA strain and M = EI curvature of its middle line, whatever the thickness of its
-    mesh. It is implicit. In axisymmetric scenes it is a shell, which takes
-    forces round the axis, too.
+    mesh. It is implicit. In axisymmetric scenes it is a shell, which takes forces round the axis, too. In 3D
+    it is a plate, folded where the line turns, that resists alike along line and width, without Poisson's
+    ratio: M_xy = EI w_xy, N_xy = EA/2 gamma_xy.
 
     Parameters
     ----------
-    line : points (N, 2), m, of the middle line; the first one again at the end closes a ring.
+    line : points (N, dim), m, of the middle line; the first one again at the end closes a ring.
+    width : (3,), m, in 3D: the vector along which the line is drawn, parallel to an axis and across all of
+        the line. The left face is on the side of line x width.
     EI : kN m2/m, bending stiffness, per metre of width (of piles in a row: of one over their spacing).
     EA : kN/m, axial stiffness.
     weight : Mg/m2, mass by the area of the wall.
     thickness : m, of its mesh, for contact: two cells or more where soil is on both sides.
     GA : kN/m, shear stiffness; default None: no shear strain.
-    limitMoment : kN m/m, moment at which a plastic hinge turns; default None: elastic.
+    limitMoment : kN m/m, moment at which a plastic hinge turns, in 3D largest principal moment; default
+        None: elastic. In 3D not with GA.
     size : m, between cross-sections, one to two cells; default: a cell.
 
-    `region` is the place that it takes. Its mass is spread over the thickness of the mesh.
+    `region` is the place that it takes. Its mass is spread over the thickness of the mesh. The particles hold
+    the forces by the metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D across the width `hoopForce`,
+    `hoopShear`, `hoopMoment`, and `membraneShear`, `twistingMoment`.
+
+    Raises ValueError for a line that turns by more than 90 degrees, a width that is not across it, numbers
+    that are not positive; `scene.add` for domains shorter than a cell.
+
+    Source: MacNeal 1978, Computers & Structures 8, 175-183, in each direction.
     """
 
     def __init__(
@@ -57,11 +68,20 @@ class Beam:
         EA: float,
         weight: float,
         thickness: float,
+        width: ArrayLike | None = None,
         GA: float | None = None,
         limitMoment: float | None = None,
         size: float | None = None,
     ) -> None:
-        self.line = _checkLine(line)
+        self.line = _checkPoints(line)
+        self.width = _checkWidth(self.line, width)
+        self._plane = np.delete(np.arange(self.line.shape[1]), [] if width is None else self._axis)
+        _checkTurns(self.line, self._plane)
+        if self.width is not None and limitMoment is not None and GA is not None:
+            raise ValueError(
+                f"Beam: GA = {shown(GA)} and limitMoment = {shown(limitMoment)} are not for 3D together; "
+                "leave one out"
+            )
         given = dict(EI=EI, EA=EA, weight=weight, thickness=thickness)
         optional = dict(GA=GA, limitMoment=limitMoment, size=size)
         for name, value in {**given, **{k: v for k, v in optional.items() if v is not None}}.items():
@@ -81,32 +101,59 @@ class Beam:
     @property
     def region(self):
         """The region that its mesh takes, e.g. to leave it out of the ground."""
-        right, left = _faces(self.line, self.thickness, self.isClosed)
+        right, left = _faces(self.line[:, self._plane], self.thickness, self.isClosed)
         if not self.isClosed:
-            return polygon(np.concatenate((right, left[::-1])))
+            return self._drawn(np.concatenate((right, left[::-1])))
         outer, inner = sorted((right, left), key=lambda face: -np.ptp(face, axis=0).max())
-        return polygon(outer) - polygon(inner)
+        return self._drawn(outer) - self._drawn(inner)
+
+    @property
+    def _axis(self):
+        return int(np.flatnonzero(self.width)[0])
+
+    def _drawn(self, points):
+        """The region of a polygon, in 3D along the width."""
+        if self.width is None:
+            return polygon(points)
+        ends = self.line[0, self._axis] + np.array([0, self.width[self._axis]])
+        return prism(points, *np.sort(ends), "xyz"[self._axis])
 
     def _parts(self, scene, name):
         """Mesh, material and particle type of its body."""
-        if scene.dim == 3:
+        dim = self.line.shape[1]
+        if scene.dim != dim:
+            width = ", and width=(0, 8, 0) or alike" if scene.dim == 3 else ""
             raise ValueError(
-                f"body '{name}': a Beam is for scenes in two dimensions; in 3D give a mesh two cells thick "
-                "and LinearElastic, implicit=True"
+                f"body '{name}': the line of its Beam is {dim}D, the scene {scene.dim}D; give points in "
+                f"{scene.dim}D{width}"
             )
-        points = self._divided(scene, name)
-        faces = _faces(points, self.thickness, self.isClosed)
-        cell = float(np.min(scene.cellSizeAt(points)))
+        points = self._divided(scene, name, self.line)
+        places = [points]
+        faces = _faces(points[:, self._plane], self.thickness, self.isClosed)
+        if self.width is None:
+            faces = [face[:, None] for face in faces]
+        else:
+            places.append(self._divided(scene, name, self.line[0] + np.outer((0, 1), self.width)))
+            faces = self._drawnFaces(faces, places[1][:, self._axis])
+        cell = float(np.min(scene.cellSizeAt(np.concatenate(places))))
         mesh = _mesh(*faces, self.isClosed, max(1, round(PER_CELL * self.thickness / cell)))
         material = materials["BeamSection"](
             density=self.weight / self.thickness, thickness=self.thickness, **self._section
         )
         return mesh, material, types["APDI"](hourglass=0)
 
-    def _divided(self, scene, name):
-        """Points of the line at the ends of the domains, a cell of the grid there apart or a little more."""
-        parts = [self.line[:1]]
-        for start, end in zip(self.line[:-1], self.line[1:]):
+    def _drawnFaces(self, faces, along):
+        """The right face and the left one (S, W, 3), which is on the side of line x width, from a profile."""
+        drawn = [np.empty((len(faces[0]), len(along), 3)) for _ in faces]
+        for face, all in zip(faces, drawn):
+            all[..., self._plane], all[..., self._axis] = face[:, None], along
+        u, v = np.eye(3)[self._plane]
+        return drawn if np.cross(u, self.width) @ v > 0 else drawn[::-1]
+
+    def _divided(self, scene, name, line):
+        """Points of a line at the ends of the domains, a cell of the grid there apart or a little more."""
+        parts = [line[:1]]
+        for start, end in zip(line[:-1], line[1:]):
             length, part = np.linalg.norm(end - start), np.linspace(0, 1, SAMPLES + 1)
             middle = start + (end - start) * ((part[1:] + part[:-1]) / 2)[:, None]
             cells = scene.cellSizeAt(middle).max(axis=1)
@@ -133,35 +180,102 @@ class Beam:
 
 
 def _mesh(right, left, isClosed, across):
-    """A mesh between two faces: the vertices of each section from its right face to its left one, then those
-    between two sections, which hang on these (Beam.hpp)."""
-    count, pieces = len(right) - isClosed, len(right) - 1
+    """A mesh between two faces (S, W, dim), W = 1 in 2D: the vertices of each fibre from the right face to
+    the left one, then those of the fibres between, which hang on these (Beam.hpp)."""
+    dim, pieces = right.shape[-1], np.array(right.shape[:2]) - 1
+    count = len(right) - isClosed, right.shape[1]
     y = np.linspace(0, 1, across + 1)[:, None]
-    sections = (1 - y) * right[:count, None] + y * left[:count, None]
-    vertex = np.arange(count * (across + 1)).reshape(count, across + 1)
-    start, end = vertex[:pieces], vertex[np.arange(1, pieces + 1) % count]
-    part = np.arange(1, ALONG)[:, None] / ALONG
-    hanging = vertex.size + np.arange(pieces * (ALONG - 1) * (across + 1)).reshape(pieces, ALONG - 1, -1)
-    masters, weights = np.full((*hanging.shape, 4), -1), np.zeros((*hanging.shape, 4))
-    masters[..., 0], masters[..., 1] = start[:, None], end[:, None]
-    weights[..., 0], weights[..., 1] = 1 - part, part
-    points = sections.reshape(-1, 2)
-    between = (weights[..., :2, None] * points[masters[..., :2]]).sum(axis=-2)
-    rows = np.concatenate((start[:, None], hanging, end[:, None]), axis=1)
-    cells = np.stack((rows[:, :-1, :-1], rows[:, 1:, :-1], rows[:, 1:, 1:], rows[:, :-1, 1:]), axis=-1)
+    sections = (1 - y) * right[: count[0], :, None] + y * left[: count[0], :, None]
+    own = np.arange(count[0] * count[1]).reshape(count)[np.arange(pieces[0] + 1) % count[0]]
+    fibre, masters, weights = _betweenFibres(own, isClosed)
+    layer = np.arange(across + 1)
+    each = np.where(masters[:, None] < 0, -1, masters[:, None] * (across + 1) + layer[:, None]).reshape(-1, 4)
+    weights = np.repeat(weights, across + 1, axis=0)
+    points = sections.reshape(-1, dim)
+    between = (weights[..., None] * points[each]).sum(axis=1)
     return Mesh(
-        np.concatenate((points, between.reshape(-1, 2))),
-        cells.reshape(-1, 4),
-        hanging.ravel(),
-        masters.reshape(-1, 4),
-        weights.reshape(-1, 4),
+        np.concatenate((points, between)),
+        _cells(fibre[..., None] * (across + 1) + layer, dim),
+        len(points) + np.arange(len(between)),
+        each,
+        weights,
     )
 
 
-def _checkLine(line):
+def _betweenFibres(own, isClosed):
+    """Numbers of all fibres, ALONG times as dense as those that stand by themselves, `own` (S, W), and of
+    those between, numbered behind: up to four masters, -1 for none, and their weights (N, 4)."""
+    shape = [ALONG * (n - 1) + 1 for n in own.shape]
+    place = np.indices(shape)
+    part = place % ALONG / ALONG
+    isBetween = part.any(axis=0)
+    if isClosed:
+        isBetween[-1] = False
+    fibre = np.empty(shape, int)
+    fibre[::ALONG, ::ALONG] = own
+    fibre[isBetween] = own.max() + 1 + np.arange(np.count_nonzero(isBetween))
+    if isClosed:
+        fibre[-1] = fibre[0]
+    (i, j), (a, b) = (x[:, isBetween] for x in (place // ALONG, part))
+    last = np.array(own.shape) - 1
+    masters, weights = [], []
+    for k, share in (0, 1 - a), (1, a):
+        for m, its in (0, 1 - b), (1, b):
+            masters.append(own[np.minimum(i + k, last[0]), np.minimum(j + m, last[1])])
+            weights.append(share * its)
+    weights = np.stack(weights, axis=1)
+    order = np.argsort(weights == 0, axis=1, kind="stable")  # those that count first
+    weights = np.take_along_axis(weights, order, axis=1)
+    masters = np.take_along_axis(np.stack(masters, axis=1), order, axis=1)
+    return fibre, np.where(weights > 0, masters, -1), weights
+
+
+def _cells(vertex, dim):
+    """Cells between fibres (S, W, layers): of an element they follow each other, see Beam.hpp."""
+    start, end = vertex[:-1], vertex[1:]
+    if dim == 2:
+        sides = np.stack((start[:, 0], end[:, 0]), axis=-1)  # (cells along, layers, 2)
+        cells = np.concatenate((sides[:, :-1], sides[:, 1:, ::-1]), axis=-1)
+        return cells.reshape(-1, 4)
+    sides = np.stack((start[:, :-1], end[:, :-1], end[:, 1:], start[:, 1:]), axis=-1)
+    cells = np.concatenate((sides[..., :-1, :], sides[..., 1:, :]), axis=-1)  # (along, width, layers, 8)
+    split = cells.reshape(len(cells) // ALONG, ALONG, -1, ALONG, *cells.shape[2:])
+    stacks = [split[:, 0, :, 0], split[:, 1, :, 0], split[:, 1, :, 1], split[:, 0, :, 1]]
+    return np.stack(stacks, axis=2).reshape(-1, 8)
+
+
+def _checkPoints(line):
     points = numbers("Beam", "line", line)
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
-        raise ValueError(f"Beam: line = {shown(line)} is not allowed; give two points (x, y) or more, m")
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or len(points) < 2 or not np.isfinite(points).all():
+        raise ValueError(
+            f"Beam: line = {shown(line)} is not allowed; give two points or more, (x, y) or (x, y, z), m"
+        )
+    return points
+
+
+def _checkWidth(line, width):
+    """The vector that a line in 3D is drawn along; None in 2D."""
+    if line.shape[1] == 2:
+        if width is not None:
+            raise ValueError(f"Beam: width = {shown(width)} is for a line in 3D; leave it out")
+        return None
+    if width is None:
+        raise ValueError(
+            "Beam: a line in 3D needs width, the vector along which it is drawn, m, e.g. width=(0, 8, 0)"
+        )
+    along = vector("Beam", "width", width, 3)
+    axes = np.flatnonzero(along)
+    if len(axes) != 1 or np.ptp(line[:, axes[0]]) > SLACK * np.abs(along).max():
+        raise ValueError(
+            f"Beam: width = {shown(width)} is not allowed; give a vector along x, y or z, across which all "
+            "points of the line lie"
+        )
+    return along
+
+
+def _checkTurns(line, plane):
+    """Refuses a line whose pieces turn too far, or have no length."""
+    points = line[:, plane]
     spans = np.diff(points, axis=0)
     if not (spans.any(axis=1)).all():
         raise ValueError("Beam: line has a point twice in a row; give each once")
@@ -170,9 +284,8 @@ def _checkLine(line):
     unit = spans / np.linalg.norm(spans, axis=1)[:, None]
     turn = np.arccos(np.clip((unit[1:] * unit[:-1]).sum(axis=1), -1, 1))
     if (turn > SHARPEST + 1e-9).any():
-        at = points[(1 + np.argmax(turn)) % len(points)]
+        at = line[(1 + np.argmax(turn)) % len(line)]
         raise ValueError(f"Beam: line turns by more than 90 degrees at {placeText(at)}; give two beams")
-    return points
 
 
 def _faces(points, thickness, isClosed):

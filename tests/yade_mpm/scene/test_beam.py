@@ -138,8 +138,16 @@ def test_the_energy_of_a_beam_of_three_cells_balances():
     assert 0 < history["implicitEnergy"][-1] < 0.1 * fallen
 
 
+UPRIGHT = [(2.0, 1.0, 0.5), (2.0, 1.0, 2.5)]
+BACK = [(0, 0, 0), (1, 0, 1), (0, 0, 1.2)]
+
+
 def beam(line=LINE, **options):
     return mpm.Beam(line, **{**SECTION, **options})
+
+
+def plate(line=UPRIGHT, width=(0, 2, 0), **options):
+    return beam(line, width=width, **options)
 
 
 def add(*beside, dim=2, size=None, **options):
@@ -149,7 +157,15 @@ def add(*beside, dim=2, size=None, **options):
 
 @cases(
     ("Beam: line ... two points", lambda: beam([(0, 0)])),
-    ("Beam: line ... two points", lambda: beam([(0, 0, 0), (1, 1, 1)])),
+    ("Beam: line ... two points", lambda: beam([(0, 0, 0, 0), (1, 1, 1, 1)])),
+    ("Beam: a line in 3D needs width", lambda: beam([(0, 0, 0), (1, 1, 1)])),
+    ("Beam: width = (0, 1, 0) is for a line in 3D", lambda: beam(width=(0, 1, 0))),
+    ("Beam: width = 2 must have 3 coordinates", lambda: beam(UPRIGHT, width=2)),
+    ("Beam: width = (0, 1, 1) ... along x, y or z", lambda: beam(UPRIGHT, width=(0, 1, 1))),
+    ("Beam: width = (0, 0, 0) ... along x, y or z", lambda: beam(UPRIGHT, width=(0, 0, 0))),
+    ("Beam: width = (0, 0, 1) ... across which", lambda: beam(UPRIGHT, width=(0, 0, 1))),
+    ("Beam: line turns by more than 90 degrees at (1, 0, 1)", lambda: beam(BACK, width=(0, 1, 0))),
+    ("Beam: GA = 5.0 and limitMoment = 1.0", lambda: plate(GA=5.0, limitMoment=1.0)),
     ("Beam: line has a point twice", lambda: beam([(0, 0), (0, 0), (1, 0)])),
     ("Beam: line turns by more than 90 degrees at (1, 0)", lambda: beam([(0, 0), (1, 0), (0, 0.5)])),
     ("Beam: EI = -1", lambda: beam(EI=-1)),
@@ -160,7 +176,15 @@ def add(*beside, dim=2, size=None, **options):
     ("body 'wall': material is given, and a Beam has it", lambda: add(elastic())),
     ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),
     ("body 'wall': fbar is given", lambda: add(fbar=True)),
-    ("body 'wall': a Beam is for scenes in two dimensions", lambda: add(dim=3)),
+    ("body 'wall': the line of its Beam is 2D, the scene 3D", lambda: add(dim=3)),
+    (
+        "body 'wall': the line of its Beam is 3D, the scene 2D",
+        lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", plate()),
+    ),
+    (
+        "body 'wall': domains of a Beam ... 0.2 m long",
+        lambda: mpm.Scene((0,) * 3, (4,) * 3, 0.25).add("wall", plate(width=(0, 0.2, 0))),
+    ),
     (
         "BeamSection is no material of a region",
         lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", box((1, 1), (2, 2)), add().material),

@@ -2,27 +2,31 @@
 // A piece of a beam between two cross-sections, the sides 0-3 and 1-2 of a quadrilateral: what the positions of
 // its corners x strain, and the energy
 //     U = 1/2 sum_r k_r e_r^2
-// with the rows e_r: strain and curvature of the middle line, shear, stretch of both cross-sections, and with axial
-// symmetry strain and curvature round the axis. The angles theta of the cross-sections count from the chord, so that a
-// rigid motion strains nothing, however large:
-//     curvature (theta_B - theta_A)/L,  shear -(theta_A + theta_B)/2,  1/(G A) + L^2/(12 E I) its compliance,
-// which makes the straight element exact (MacNeal 1978). Hinges at its ends turn the sections by theta_A + psi_A and
-// theta_B - psi_B instead.
+// with the rows e_r: strain and curvature of the middle line, and shear (BeamEdge.hpp), stretch of both cross-sections,
+// and with axial symmetry strain and curvature round the axis. The compliance 1/(G A) + L^2/(12 E I) of the shear makes
+// the straight element exact (MacNeal 1978).
 #pragma once
 
-#include "mpm/particle/apdi/APDIShape.hpp"
-#include "mpm/state/SectionStiffness.hpp"
+#include "mpm/particle/apdi/BeamEdge.hpp"
+#include "mpm/state/SectionState.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mpm {
 
 class BeamElement {
+    using Edge = BeamEdge<2>;
+
   public:
+    static constexpr int corners = 4;
+    // Angles psi of its two hinges, which all of its domains have.
+    static constexpr int ofStack = 2, firstPlastic = hingeStart;
+    static constexpr int placeOf(int, int variable) { return variable; }
+    using Plastic = std::array<double, ofStack>;
+    static constexpr int rowSets = 1; // each the task of another domain
     enum Row { axial, curvature, shear, pinchA, pinchB, hoop, hoopCurvature, rows };
     using Point = Vec<2>;
-    using Gradient = std::array<Point, 4>; // over the positions of the corners
+    using Gradient = std::array<Point, corners>; // over the positions of the corners
 
     struct Strained {
         std::array<double, rows> e{};
@@ -30,12 +34,12 @@ class BeamElement {
     };
 
     // X: corners without strain.
-    BeamElement(const Corners<2>& X, const SectionStiffness& section, bool isRound) : start_(X) {
-        length_ = start_.chord.norm();
-        radius_ = start_.middle[0];
+    BeamElement(const Corners<2>& X, const SectionStiffness& section, bool isRound) : edge_(ends(X)) {
+        length_ = edge_.length();
+        radius_ = X.rowwise().mean()[0];
         const double width = isRound ? 2 * M_PI * radius_ : 1; // m
         volume_ = width * length_;
-        const double G = 1 / (1 / section.GA + length_ * length_ / (12 * section.EI));
+        const double G = Edge::shearStiffness(section, length_);
         stiffness_ = {section.EA, section.EI, G, 0.5 * section.EA, 0.5 * section.EA};
         if (isRound) stiffness_[hoop] = section.EA, stiffness_[hoopCurvature] = section.EI;
         for (double& k : stiffness_) k *= volume_;
@@ -47,36 +51,23 @@ class BeamElement {
     double overVolume() const { return 1 / volume_; }
 
     // Of a spring that holds a point of an end section on its line, as stiff as the section against its stretch, kN/m.
-    double stiffnessAtEnd() const { return stiffness_[pinchA] / start_.across[0].squaredNorm(); }
+    double stiffnessAtEnd() const { return stiffness_[pinchA] / edge_.start().across[0].squaredNorm(); }
 
-    // What the corners strain; hinges: angles psi at both ends.
-    Strained strained(const Corners<2>& x, const double hinges[2]) const {
-        const Place now(x);
+    // What the corners strain.
+    Strained strained(const Corners<2>& x, const Plastic& hinges) const {
+        const auto line = edge_.strained(ends(x), hinges.data());
         Strained s;
         for (auto& row : s.gradient) row.fill(Point::Zero());
-        const double ell = now.chord.norm();
-        s.e[axial] = ell / length_ - 1;
-        addChord(s.gradient[axial], now.chord / (ell * length_));
-        double theta[2];
+        std::copy(line.e.begin(), line.e.end(), s.e.begin()); // the first rows of both are the same
+        std::copy(line.gradient.begin(), line.gradient.end(), s.gradient.begin());
+        const Edge::Place now(ends(x));
         for (int end = 0; end < 2; ++end) {
-            const Point d = now.across[end];
-            theta[end] = now.angle(end) - start_.angle(end) + (end == 0 ? hinges[0] : -hinges[1]);
-            const double t = start_.across[end].norm();
+            const Point& d = now.across[end];
+            const double t = edge_.start().across[end].norm();
             s.e[pinchA + end] = d.norm() / t - 1;
-            addAcross(s.gradient[pinchA + end], end, d / (d.norm() * t));
-            // of the angle: that of the section less that of the chord
-            Gradient turned;
-            turned.fill(Point::Zero());
-            addAcross(turned, end, Point(-d[1], d[0]) / d.squaredNorm());
-            addChord(turned, Point(now.chord[1], -now.chord[0]) / now.chord.squaredNorm());
-            for (int a = 0; a < 4; ++a) {
-                s.gradient[curvature][a] += (end == 0 ? -1 : 1) / length_ * turned[a];
-                s.gradient[shear][a] -= 0.5 * turned[a];
-            }
+            Edge::addAcross(s.gradient[pinchA + end], end, d / (d.norm() * t));
         }
-        s.e[curvature] = (theta[1] - theta[0]) / length_;
-        s.e[shear] = -0.5 * (theta[0] + theta[1]);
-        if (stiffness_[hoop] > 0) strainRing(now, s);
+        if (stiffness_[hoop] > 0) strainRing(now, x.rowwise().mean()[0], s);
         return s;
     }
 
@@ -86,8 +77,21 @@ class BeamElement {
         return sum;
     }
 
+    // each(what, force): the forces in the section per metre of its width, with the signs of sectionForces: Q along the
+    // normal to the right of the line, M with tension to its left.
+    template <class Each> void forces(const Strained& s, int, Each&& each) const {
+        const auto one = [&](SectionState what, double sign, int row) {
+            each(what, sign * stiffness_[row] * s.e[row] * overVolume());
+        };
+        one(normalForce, 1, axial);
+        one(shearForce, -1, shear);
+        one(bendingMoment, -1, curvature);
+        one(hoopForce, 1, hoop);
+        one(hoopMoment, -1, hoopCurvature);
+    }
+
     // Turns the hinges until no end has a larger moment than the section can take.
-    void yield(const Strained& s, double hinges[2]) const {
+    void yield(const Strained& s, Plastic& hinges) const {
         if (std::isinf(limit_)) return;
         const double M = stiffness_[curvature] * s.e[curvature] / length_,
                      Q = 0.5 * stiffness_[shear] * s.e[shear];
@@ -98,6 +102,8 @@ class BeamElement {
 
   private:
     static constexpr double roundOff = 1e-12; // of the limit
+
+    static Edge::Ends ends(const Corners<2>& x) { return {x.col(0), x.col(1), x.col(2), x.col(3)}; }
 
     // By which angles the ends turn back so that the moments m, of their angles theta, keep to the limit: one end
     // alone if that is enough, else both.
@@ -122,41 +128,20 @@ class BeamElement {
         return {(own * over[0] - other * over[1]) / det, (own * over[1] - other * over[0]) / det};
     }
 
-    struct Place {
-        Point across[2], chord, middle; // of the ends A and B, between their middles, of all
-
-        explicit Place(const Corners<2>& x)
-            : across{x.col(3) - x.col(0), x.col(2) - x.col(1)},
-              chord(0.5 * (x.col(1) + x.col(2) - x.col(0) - x.col(3))), middle(x.rowwise().mean()) {}
-        // Of the normal of a section, from the chord.
-        double angle(int end) const {
-            const Point& d = across[end];
-            return std::atan2(-chord.dot(d), chord[0] * d[1] - chord[1] * d[0]);
-        }
-    };
-
-    static void addChord(Gradient& to, const Point& g) {
-        for (int a = 0; a < 4; ++a) to[a] += (a == 1 || a == 2 ? 0.5 : -0.5) * g;
-    }
-    static void addAcross(Gradient& to, int end, const Point& g) {
-        to[end == 0 ? 3 : 2] += g;
-        to[end == 0 ? 0 : 1] -= g;
-    }
-
     // A ring of radius r whose normal has the radial part n: u/r0 and (n - n0)/r0.
-    void strainRing(const Place& now, Strained& s) const {
-        s.e[hoop] = now.middle[0] / radius_ - 1;
+    void strainRing(const Edge::Place& now, double radius, Strained& s) const {
+        s.e[hoop] = radius / radius_ - 1;
         for (auto& g : s.gradient[hoop]) g = Point(0.25 / radius_, 0);
         for (int end = 0; end < 2; ++end) {
-            const Point &d = now.across[end], &d0 = start_.across[end];
+            const Point &d = now.across[end], &d0 = edge_.start().across[end];
             const double t = d.norm();
             s.e[hoopCurvature] += 0.5 / radius_ * (d[0] / t - d0[0] / d0.norm());
-            addAcross(s.gradient[hoopCurvature], end,
-                      0.5 / (radius_ * t) * (Point::Unit(0) - d[0] / (t * t) * d));
+            Edge::addAcross(s.gradient[hoopCurvature], end,
+                            0.5 / (radius_ * t) * (Point::Unit(0) - d[0] / (t * t) * d));
         }
     }
 
-    Place start_;
+    Edge edge_;
     double length_, radius_, volume_, limit_;
     std::array<double, rows> stiffness_{};
 };

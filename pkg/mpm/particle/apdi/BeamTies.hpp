@@ -10,11 +10,11 @@
 
 namespace mpm {
 
-class BeamTies {
+template <int Dim> class BeamTies {
   public:
     struct Tie {
         int domain, vertex;                                            // one of a domain
-        int right, left;                                               // vertices of the section
+        int right, left;                                               // vertices of the fibre
         double y, k;                                                   // place between them, -; kN/m
         double part(int side) const { return side == 0 ? y - 1 : -y; } // of the gap over the right, left one
     };
@@ -23,19 +23,19 @@ class BeamTies {
     // In the order of their domains.
     void add(const Tie& tie) { ties_.push_back(tie); }
 
-    static Vec<2> gap(const DomainMesh<2>& mesh, const Tie& tie) {
-        const auto at = [&](int vertex) { return vectorAt<2>(mesh.vertices.position, vertex); };
+    static Vec<Dim> gap(const DomainMesh<Dim>& mesh, const Tie& tie) {
+        const auto at = [&](int vertex) { return vectorAt<Dim>(mesh.vertices.position, vertex); };
         return at(tie.vertex) + tie.part(0) * at(tie.right) + tie.part(1) * at(tie.left);
     }
-    double energy(const DomainMesh<2>& mesh) const {
+    double energy(const DomainMesh<Dim>& mesh) const {
         double sum = 0;
         for (const Tie& tie : ties_) sum += 0.5 * tie.k * gap(mesh, tie).squaredNorm();
         return sum;
     }
-    void addForces(const DomainMesh<2>& mesh, double* const force[2]) const {
+    void addForces(const DomainMesh<Dim>& mesh, double* const force[Dim]) const {
         for (const Tie& tie : ties_) {
-            const Vec<2> f = -tie.k * gap(mesh, tie);
-            for (int k = 0; k < 2; ++k) {
+            const Vec<Dim> f = -tie.k * gap(mesh, tie);
+            for (int k = 0; k < Dim; ++k) {
                 force[k][tie.vertex] += f[k];
                 force[k][tie.right] += tie.part(0) * f[k];
                 force[k][tie.left] += tie.part(1) * f[k];

@@ -106,25 +106,15 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         const HourglassAmplitude<Dim> all = hourglass_.amplitude(mesh_, deformed, p);
         std::copy(all.data(), all.data() + all.size(), &h[0][0]);
     }
-    double finishStep() override {
-        if constexpr (Dim == 2)
-            if (beam_.isHere()) return beam_.finishStep(mesh_, particles);
-        return 0;
-    }
+    double finishStep() override { return beam_.isHere() ? beam_.finishStep(mesh_, particles) : 0; }
     int beamRows(int p, const typename Mesh<Dim>::EachRow& each,
                  typename Mesh<Dim>::Rows& rows) const override {
-        if constexpr (Dim == 2) {
-            int count = 0;
-            if (beam_.isHere()) {
-                beam_.ifFirst(p, mesh_, particles,
-                              [&](const auto& element, const auto& vertices, const auto& s) {
-                                  count = addRows(element, vertices, s, each, rows);
-                              });
-                beam_.ties().ifTied(p, [&](const auto& tie) { count = addRows(tie, each, rows); });
-            }
-            return count;
-        }
-        return 0;
+        int count = 0;
+        if (!beam_.isHere()) return count;
+        beam_.ifTells(p, mesh_, particles,
+                      [&](const auto&... told) { count = addRows(told..., each, rows); });
+        beam_.ties().ifTied(p, [&](const auto& tie) { count = addRows(tie, each, rows); });
+        return count;
     }
     double longestEdge(int p) const override {
         return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.position));
@@ -161,28 +151,31 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
   private:
     using Base::mesh_, Base::hourglass_, Base::beam_;
 
-    int addRows(const BeamElement& element, const Beam::Vertices& vertices, const BeamElement::Strained& s,
+    using BeamElement = typename Beam<Dim>::Element;
+
+    int addRows(const BeamElement& element, const typename Beam<Dim>::Vertices& vertices,
+                const typename BeamElement::Strained& s, int first, int end,
                 const typename Mesh<Dim>::EachRow& each, typename Mesh<Dim>::Rows& rows) const {
         constexpr int most = Mesh<Dim>::mostRows;
-        static_assert(most == BeamElement::rows);
-        for (int r = 0; r < most; ++r) {
-            rows.stiffness[r] = element.stiffness(r);
-            rows.force[r] = rows.stiffness[r] * s.e[r];
+        static_assert(BeamElement::rows <= most * BeamElement::rowSets);
+        for (int r = first; r < end; ++r) {
+            rows.stiffness[r - first] = element.stiffness(r);
+            rows.force[r - first] = rows.stiffness[r - first] * s.e[r];
         }
-        for (int a = 0; a < 4; ++a)
+        for (int a = 0; a < BeamElement::corners; ++a)
             Base::forNodes(vertices[a], [&](int node, double part, double S) {
-                double row[most][Dim];
-                for (int r = 0; r < most; ++r)
-                    for (int k = 0; k < Dim; ++k) row[r][k] = part * S * s.gradient[r][a][k];
+                double row[most][Dim] = {};
+                for (int r = first; r < end; ++r)
+                    for (int k = 0; k < Dim; ++k) row[r - first][k] = part * S * s.gradient[r][a][k];
                 each(node, row);
             });
-        return most;
+        return end - first;
     }
 
-    // A row for each axis; a domain with a tie is not the first of an element.
-    int addRows(const BeamTies::Tie& tie, const typename Mesh<Dim>::EachRow& each,
+    // A row for each axis; a domain with a tie is not the first of a stack.
+    int addRows(const typename BeamTies<Dim>::Tie& tie, const typename Mesh<Dim>::EachRow& each,
                 typename Mesh<Dim>::Rows& rows) const {
-        const Vec<2> gap = BeamTies::gap(mesh_, tie);
+        const Vec<Dim> gap = BeamTies<Dim>::gap(mesh_, tie);
         for (int k = 0; k < Dim; ++k) {
             rows.stiffness[k] = tie.k;
             rows.force[k] = tie.k * gap[k];

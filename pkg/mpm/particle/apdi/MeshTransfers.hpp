@@ -35,8 +35,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
         carried_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
         grid.inGeometry([&](auto isRound) { hourglass_.template restored<isRound>(mesh_); });
-        if constexpr (Dim == 2)
-            if (Base::section) beam_.restored(mesh_, particles, *Base::section, grid.isAxisymmetric);
+        if (Base::section) beam_.restored(mesh_, particles, *Base::section, grid.isAxisymmetric);
         pieces_.cut(mesh_);
         if (!order.isOf(grid)) regroup();
     }
@@ -119,15 +118,13 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given.bodyForce[k][p]; });
             }
         });
-        if constexpr (Dim == 2)
-            if (beam_.isHere())
-                region.once([&] {
-                    beam_.addSpin(mesh_, particles, inertiaScale,
-                                  carried_.template planes<Dim>(Carried::momentum).data());
-                    if (withForce)
-                        beam_.addForces(mesh_, particles,
-                                        carried_.template planes<Dim>(Carried::force).data());
-                });
+        if (beam_.isHere())
+            region.once([&] {
+                beam_.addSpin(mesh_, particles, inertiaScale,
+                              carried_.template planes<Dim>(Carried::momentum).data());
+                if (withForce)
+                    beam_.addForces(mesh_, particles, carried_.template planes<Dim>(Carried::force).data());
+            });
     }
 
   public:
@@ -270,7 +267,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     CarriedByVertices<Dim> carried_;
     Field skew_;
     DomainPieces<Dim> pieces_;
-    Beam beam_;
+    Beam<Dim> beam_;
     DistortedList distorted_; // found in the last takeGradient()
 
   private:

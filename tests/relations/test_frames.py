@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A body that flies without load has no stress; one body is as good as its two halves; plane strain is a slab
-between rollers; a floor that accelerates is as good as gravity. For every particle type."""
+between rollers, in contact too; a floor that accelerates is as good as gravity. For every particle type."""
 
 import numpy as np
 import pytest
@@ -80,6 +80,41 @@ def test_plane_strain_is_a_slab_between_rollers(name, scheme):
         stress = body.byId("stress")[order][:, [x, height]][:, :, [x, height]]
         results.append(stress.reshape(-1, 1 if len(axes) == 2 else 4, 2, 2))
     assert np.abs(results[1] - results[0]).max() <= 1e-9 * np.abs(results[0]).max()
+
+
+def thrown(axes, top, base, across=CELL, steps=60):
+    """A block that slides on another one by contact, in 3D `across` thick between rollers: the impulse along
+    x and upwards, per thickness, and the velocities of the block in one order."""
+    x, height, dim = axes.index(0), axes.index(1), len(axes)
+
+    def place(*point):
+        return tuple(np.array(point)[axes])
+
+    scene = mpm.Scene(place(0, 0, 0), place(8, 6, across), CELL, threads=1)
+    rubber = mpm.LinearElastic(**RUBBER)
+    scene.add("base", box(place(1, 0, 0), place(7, 2, across)), rubber, makeType(base), group="base")
+    block = scene.add("block", box(place(2.5, 2, 0), place(4.5, 4, across)), rubber, makeType(top))
+    block.velocity[:, x], block.velocity[:, height] = 2.0, -1.0
+    order = np.lexsort(np.round(block.byId("position").T[[x, height]] * 1e3).astype(int))
+    contact, scene.dt = mpm.Contact(friction=0.3, adhesion=1.0), 1e-3
+    sides = dict(roller=("front", "back")) if dim == 3 else {}
+    run(scene, steps, contact=contact, gravity=place(0, -9.81, 0), fixed="bottom", **sides)
+    (impulse,) = contact.forceImpulses().values()
+    velocity = block.byId("velocity")[order][:, [x, height]].reshape(-1, dim - 1, 2)
+    return impulse[[x, height]] / (1 if dim == 2 else across), velocity
+
+
+@pytest.mark.parametrize(
+    "top, base, within", [("APDI", "UGIMP", 1e-3), ("APDI", "APDI", 1e-3), ("UGIMP", "UGIMP", 1e-9)]
+)
+@pytest.mark.filterwarnings("ignore:Contact. 'base' and 'main' are boxes")
+def test_plane_strain_is_a_slab_between_rollers_in_contact(top, base, within):
+    """One cell thick: each node lies on a roller. Where facets on a roller count as a surface, the impulses
+    differ by 2 %, 2 % and 0.6 %. Sweeps of meshes end before round-off: 1.5e-4 is the most here."""
+    plane, slab = (thrown(axes, top, base) for axes in ([0, 1], [0, 2, 1]))
+    assert plane[0][1] > 1  # control: they press
+    assert slab[0] == pytest.approx(plane[0], abs=within * plane[0][1])
+    assert np.abs(slab[1] - plane[1]).max() <= within * np.abs(plane[1]).max()
 
 
 @everyType

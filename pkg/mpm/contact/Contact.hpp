@@ -79,7 +79,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     OwnedFacets ownedFacets() const;
     SearchRule rule() const { return {separation, ownedFacets(), &edgeMotions}; }
     template <int Dim> void findAhead(const Scene<Dim>& scene) {
-        std::get<State<Dim>>(states_).search.findAhead(scene, rule());
+        auto& search = std::get<State<Dim>>(states_).search;
+        if (!search.isFound(scene)) search.find(scene, rule());
     }
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);

@@ -16,7 +16,6 @@ template <int Dim> void ContactSearch<Dim>::prepare(const Scene<Dim>& scene) {
     clear();
     pair_.nearby.prepare(scene.grid);
     pair_.surfaces.resize(scene.bodies.size()); // bodies stay; a mesh that loses domains is looked at anew
-    pair_.asksForSolution = false;
     step_ = -1;
 }
 
@@ -34,13 +33,10 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
         isExplicit_[field] = isExplicit_[scene.groupOf[field]];
 }
 
-template <int Dim>
-void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, bool isSolved) {
+template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule) {
     clear();
     look(scene);
     step_ = scene.step;
-    pair_.isSolved = isSolved;
-    pair_.asksForSolution = false;
     pair_.scene = &scene;
     pair_.nodes = &nodes;
     const int groups = int(scene.groups.size());
@@ -127,12 +123,6 @@ template <int Dim> void ContactSearch<Dim>::findTwins(const ContactPair<Dim>& pa
         nodes[row].twin[side] = other;
         nodes[other].twin[otherSide] = row;
     }
-}
-
-template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {
-    if (isFound(scene) || pair_.asksForSolution) return;
-    find(scene, rule, false);
-    if (pair_.asksForSolution) step_ = -1;
 }
 
 template class ContactSearch<2>;

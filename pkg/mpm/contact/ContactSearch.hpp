@@ -14,10 +14,7 @@ template <int Dim> class ContactSearch {
     std::vector<ContactPair<Dim>> pairs;
 
     void prepare(const Scene<Dim>& scene);
-    void find(const Scene<Dim>& scene, const SearchRule& rule, bool isSolved = true);
-    // The same before the nodes have the velocities of the solution, if these have not been asked for in the step
-    // before. Where they are, all has to be found anew.
-    void findAhead(const Scene<Dim>& scene, const SearchRule& rule);
+    void find(const Scene<Dim>& scene, const SearchRule& rule);
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
     // Whether a group is of meshes alone, as it was last found; and the surface of a body.
     bool isOfMeshes(int group) const { return isExplicit_[group] && !hasOutline_[group]; }

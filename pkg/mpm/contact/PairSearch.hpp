@@ -41,8 +41,6 @@ template <int Dim> struct PairSearch {
     Vec<Dim> lastMotion[2], lastDirection[2]; // of the edges of each group, see EdgeMotions,
     Vec<Dim> motion[2];                       // and how they move now, in the mean,
     int edges[2];                             // of so many nodes
-    bool isSolved;                            // whether the nodes have the velocities of the solution,
-    bool asksForSolution = false;             // and whether something depends on them
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];
@@ -88,6 +86,24 @@ template <int Dim> struct PairSearch {
     // whole is held everywhere, and tells nothing of the other.
     bool areBothHeld(int node, int axis) const {
         return fieldOf(0).holder[node][axis] >= 0 && fieldOf(1).holder[node][axis] >= 0;
+    }
+
+    // Whether a vertex lies on a plane of symmetry across an axis: constraints hold both groups there.
+    bool isOnPlane(const Vertex& vertex, int axis) const {
+        constexpr double near = 1e-6; // cells
+        return vertex.across[axis] > 0 && areBothHeld(vertex.node, axis) &&
+               std::abs(vertex.position[axis] - grid().nodePosition(vertex.node)[axis]) <
+                   near * grid().sizeAt(vertex.position)[axis];
+    }
+    // Facets on a plane of symmetry are no surface: the surface goes on beyond.
+    Vertex withoutPlanes(Vertex vertex) const {
+        for (int k = 0; k < Dim; ++k) {
+            if (!isOnPlane(vertex, k)) continue;
+            vertex.outward[k] = 0;
+            vertex.extent -= vertex.across[k];
+        }
+        vertex.size = vertex.outward.norm();
+        return vertex;
     }
 
     // Whether one of them is of meshes alone, and none has boxes that carry an outline.

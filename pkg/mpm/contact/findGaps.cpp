@@ -31,7 +31,8 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     const Grid<Dim>& grid = pair.grid();
     const double sign = side == 0 ? 1 : -1;
     pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
-        for (const auto& vertex : surface.near)
+        for (const auto& one : surface.near) {
+            const auto vertex = pair.withoutPlanes(one);
             forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
                 ContactNode<Dim>* const contact = pair.at(node);
                 if (!contact) return;
@@ -47,6 +48,7 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
                 seen.nearest = beside;
                 seen.reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
             });
+        }
     });
 }
 
@@ -71,8 +73,15 @@ template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     });
 }
 
+// A plane of symmetry has half of the face of a cell on this side.
 template <int Dim> bool isFelt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact) {
-    return contact.weight > leastArea * std::pow(pair.grid().meanSize(contact.node).minCoeff(), Dim - 1);
+    const Grid<Dim>& grid = pair.grid();
+    const Index<Dim> at = grid.indices(contact.node);
+    double face = std::pow(grid.meanSize(contact.node).minCoeff(), Dim - 1);
+    for (int k = 0; k < Dim; ++k)
+        if (const int cell = at[k] - grid.ghost; cell == 0 || cell == grid.cells[k])
+            face *= pair.areBothHeld(contact.node, k) ? 0.5 : 1.0;
+    return contact.weight > leastArea * face;
 }
 
 // How far each group reaches along the normal. At an edge of a mesh that is no overlap: boxes beside one face are

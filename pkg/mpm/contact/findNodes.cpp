@@ -39,7 +39,8 @@ namespace {
 template <int Dim>
 void addParts(PairSearch<Dim>& pair, int side,
               const std::vector<typename PairSearch<Dim>::Vertex>& vertices) {
-    for (const auto& vertex : vertices)
+    for (const auto& one : vertices) {
+        const auto vertex = pair.withoutPlanes(one);
         for (int corner = 0; corner < vertex.around.size; ++corner) {
             if (vertex.around.contact[corner] < 0) continue;
             const double phi = vertex.around.S[corner];
@@ -51,6 +52,18 @@ void addParts(PairSearch<Dim>& pair, int side,
             surface.extent += phi * (vertex.extent + (isWhole ? vertex.hiddenExtent : 0));
             surface.moment += phi * (vertex.position - contact.position) * outward.transpose();
         }
+    }
+}
+
+// What looks along an axis that constraints hold on both sides is no surface: on a plane of symmetry it goes on
+// beyond.
+template <int Dim> void leaveOutHeld(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
+    for (int k = 0; k < Dim; ++k)
+        if (pair.areBothHeld(contact.node, k))
+            for (auto* surface : {&contact.surface[0], &contact.surface[1], &contact.partner}) {
+                surface->outward[k] = 0;
+                surface->moment.col(k).setZero();
+            }
 }
 
 } // namespace
@@ -74,6 +87,7 @@ template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
             addParts(pair, side, surface.parts(body));
         });
     }
+    pair.forNodes([&](ContactNode<Dim>& contact) { leaveOutHeld(pair, contact); });
 }
 
 template bool findNodes(PairSearch<2>&);

@@ -42,14 +42,10 @@ double rise(double x, double first, double last) {
     return std::clamp((x - first) / (last - first), 0.0, 1.0);
 }
 
-// At an edge of a mesh boxes count as far as they are flatter, plane and face it; at a plane of symmetry if they are
-// flatter. Else boxes caught inside the mesh would hide the surface of the others.
-template <int Dim>
-double shareOfBoxes(const PairSearch<Dim>& pair, int node, double mesh, double boxes, double facing) {
+// At an edge of a mesh boxes count as far as they are flatter, plane and face it. Else boxes caught inside the mesh
+// would hide the surface of the others.
+double shareOfBoxes(double mesh, double boxes, double facing) {
     if (!(boxes > 0)) return 0;
-    bool isHeld = false;
-    for (int k = 0; k < Dim; ++k) isHeld |= pair.areBothHeld(node, k);
-    if (isHeld) return mesh > equallyFlat * boxes ? 0 : 1;
     const double alike = (1 - equallyFlat) * boxes;
     return rise(boxes - mesh, alike, 2 * alike) * rise(boxes, edgeFlatness, planeFlatness) *
            rise(facing, 0, facingFully);
@@ -78,7 +74,7 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
     if (pair.isExplicit[0] != pair.isExplicit[1]) {
         const int mesh = pair.isExplicit[0] ? 0 : 1;
         const double facing = outward[0].dot(outward[1]) / std::max(size[0] * size[1], 1e-300);
-        contact.shareOfBoxes = shareOfBoxes(pair, contact.node, flatness[mesh], flatness[1 - mesh], facing);
+        contact.shareOfBoxes = shareOfBoxes(flatness[mesh], flatness[1 - mesh], facing);
         counts[mesh] = size[mesh] > 0 && contact.shareOfBoxes < 1;
         counts[1 - mesh] = !counts[mesh];
     }
@@ -124,47 +120,32 @@ template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, 
     return momentum / mass; // the node itself has some
 }
 
-// How an edge moves towards the other group, and the speed of which all of its facets count besides. On a plane
-// of symmetry, whose facets are no surface, by the velocities of the solution: what presses there counts, in
-// motion or at rest.
-template <int Dim> struct Approach {
-    Vec<Dim> velocity = Vec<Dim>::Zero();
-    double least = 0;
-    bool isOnPlane = false;
-};
-
-template <int Dim> Approach<Dim> approachOf(PairSearch<Dim>& pair, int side, int node) {
-    bool isOnPlane = false;
-    for (int k = 0; k < Dim; ++k) isOnPlane |= pair.areBothHeld(node, k);
-    if (!isOnPlane)
-        return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
-                restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt, false};
-    pair.asksForSolution = true;
-    Approach<Dim> approach;
-    approach.isOnPlane = true;
-    if (!pair.isSolved) return approach; // all of it is found anew
-    const auto &own = pair.fieldOf(side).motion[node], &other = pair.fieldOf(1 - side).motion[node];
-    for (int k = 0; k < Dim; ++k) approach.velocity[k] = own[k] - other[k];
-    return approach;
+// How an edge moves towards the other group.
+template <int Dim> Vec<Dim> approachOf(const PairSearch<Dim>& pair, int side, int node) {
+    Vec<Dim> velocity = meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node);
+    for (int k = 0; k < Dim; ++k)
+        if (pair.areBothHeld(node, k)) velocity[k] = 0;
+    return velocity;
 }
 
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile
 // pushes what lies below it down, not aside.
 template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
-    std::vector<Approach<Dim>> approach(pair.nodes->size() - pair.first);
-    bool isAny = false;
+    std::vector<Vec<Dim>> approach(pair.nodes->size() - pair.first);
     for (size_t i = 0; i < approach.size(); ++i) {
         const ContactNode<Dim>& contact = (*pair.nodes)[pair.first + i];
         if (contact.edgeOf != side) continue;
-        isAny = true;
         approach[i] = approachOf(pair, side, contact.node);
-        if (approach[i].isOnPlane) continue;
-        pair.motion[side] += approach[i].velocity;
+        pair.motion[side] += approach[i];
         ++pair.edges[side];
-        approach[i].velocity += lastShare * pair.lastMotion[side];
+        approach[i] += lastShare * pair.lastMotion[side];
     }
-    if (!isAny) return;
-    if (pair.edges[side] > 0) pair.motion[side] /= pair.edges[side];
+    if (pair.edges[side] == 0) return;
+    pair.motion[side] /= pair.edges[side];
+    // Of which all facets of an edge count besides.
+    const auto leastSpeed = [&](int node) {
+        return restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt;
+    };
     std::vector<Vec<Dim>> sum(approach.size(), Vec<Dim>::Zero());
     pair.forSurfaces(side, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
         surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part, bool isHidden) {
@@ -174,9 +155,9 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
                 if (number < 0 || (*pair.nodes)[number].edgeOf != side) continue;
                 if (isHidden && !pair.isBonded((*pair.nodes)[number].node)) continue;
                 const size_t i = number - pair.first;
-                const double closing =
-                    std::max(0.0, part.dot(approach[i].velocity) / area) + approach[i].least;
-                const double speed = approach[i].velocity.norm() + approach[i].least;
+                const double least = leastSpeed((*pair.nodes)[number].node);
+                const double closing = std::max(0.0, part.dot(approach[i]) / area) + least;
+                const double speed = approach[i].norm() + least;
                 const double sharpness = (*pair.nodes)[number].sharpness;
                 sum[i] += vertex.around.S[corner] * (sharpness * closing + (1 - sharpness) * speed) * part;
             }
@@ -184,8 +165,10 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
     });
     for (size_t i = pair.first; i < pair.nodes->size(); ++i) {
         ContactNode<Dim>& contact = (*pair.nodes)[i];
-        if (contact.edgeOf == side && !sum[i - pair.first].isZero(0))
-            contact.normal = (side == 0 ? 1 : -1) * sum[i - pair.first].normalized();
+        Vec<Dim>& n = sum[i - pair.first];
+        for (int k = 0; k < Dim; ++k)
+            if (pair.areBothHeld(contact.node, k)) n[k] = 0;
+        if (contact.edgeOf == side && !n.isZero(0)) contact.normal = (side == 0 ? 1 : -1) * n.normalized();
     }
 }
 

@@ -34,31 +34,6 @@ constexpr double leastLeft = 1e-6;
 // cell. With half the value the thrust on a sheet with its toe in soil is 3 % less, with twice the value the same.
 constexpr double onItsWay = 0.2;
 
-// Distance in cells from a plane of symmetry up to which a vertex lies on it.
-constexpr double onPlane = 1e-6;
-
-// Whether a vertex lies on a plane of symmetry across an axis: constraints hold both groups there.
-template <int Dim>
-bool isOnPlane(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& vertex, int axis) {
-    const Grid<Dim>& grid = pair.grid();
-    return vertex.across[axis] > 0 && pair.areBothHeld(vertex.node, axis) &&
-           std::abs(vertex.position[axis] - grid.nodePosition(vertex.node)[axis]) <
-               onPlane * grid.sizeAt(vertex.position)[axis];
-}
-
-// Facets on a plane of symmetry are no surface: the surface goes on beyond.
-template <int Dim>
-typename PairSearch<Dim>::Vertex withoutPlanes(const PairSearch<Dim>& pair,
-                                               typename PairSearch<Dim>::Vertex vertex) {
-    for (int k = 0; k < Dim; ++k) {
-        if (!isOnPlane(pair, vertex, k)) continue;
-        vertex.outward[k] = 0;
-        vertex.extent -= vertex.across[k];
-    }
-    vertex.size = vertex.outward.norm();
-    return vertex;
-}
-
 // The faces that meet at an edge of a mesh, each of which presses on its own. None where the edge has gone
 // its way: the soil that flows round it has several velocities there, and one cannot follow all faces.
 template <int Dim>
@@ -67,7 +42,7 @@ facesOf(const PairSearch<Dim>& pair, int side, const Body<Dim>& body, const Expl
         const typename PairSearch<Dim>::Vertex& vertex) {
     if (pair.lastDirection[side].norm() > onItsWay) return {};
     auto faces = surface.facesAt(body, vertex);
-    for (auto& face : faces) face = withoutPlanes(pair, face);
+    for (auto& face : faces) face = pair.withoutPlanes(face);
     const auto isNone = [](const auto& face) { return face.size <= leastLeft * face.extent; };
     faces.erase(std::remove_if(faces.begin(), faces.end(), isNone), faces.end());
     return faces;
@@ -93,7 +68,7 @@ template <int Dim> struct SmoothVertices {
             };
             for (Vertex near : surface.near) {
                 if (!pair.see(of, surface, near)) continue;
-                const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
+                const Vertex vertex = pair.withoutPlanes(near);
                 if (vertex.size <= leastLeft * near.extent) continue;
                 if (vertex.isFlatter(edgeFlatness)) {
                     add(vertex, 1);
@@ -111,8 +86,7 @@ template <int Dim> struct SmoothVertices {
     int facesAt(int place) const { return faces[bins.point(place)]; }
 };
 
-// Boxes as a node sees them, less those faces of them that lie on a plane of symmetry. all: of both fields of a soil
-// where that is one.
+// Boxes as a node sees them. all: of both fields of a soil where that is one.
 template <int Dim> struct SeenBoxes {
     Vec<Dim> outward;
     Mat<Dim> moment;
@@ -125,11 +99,6 @@ SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& cont
         seen.outward = isSecond ? contact.partner.outward : Vec<Dim>(seen.outward - contact.partner.outward);
         seen.moment = isSecond ? contact.partner.moment : Mat<Dim>(seen.moment - contact.partner.moment);
     }
-    for (int k = 0; k < Dim && pair.ownsFacets; ++k)
-        if (pair.areBothHeld(contact.node, k)) {
-            seen.outward[k] = 0;
-            seen.moment.col(k).setZero();
-        }
     return seen;
 }
 
@@ -144,7 +113,7 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
     Vec<Dim> seen = Vec<Dim>::Zero();
     double part = std::pow(0.5, faces - 1); // of a surface that is on this side of planes and edges
     for (int k = 0; k < Dim && pair.ownsFacets; ++k)
-        if (isOnPlane(pair, own, k)) part *= 0.5;
+        if (pair.isOnPlane(own, k)) part *= 0.5;
     for (int corner = 0; corner < own.around.size; ++corner) {
         if (own.around.contact[corner] < 0) continue;
         const ContactNode<Dim>& contact = (*pair.nodes)[own.around.contact[corner]];

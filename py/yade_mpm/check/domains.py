@@ -135,7 +135,7 @@ def flowing(body):
         other.group == body.group and other.fbar and other.count and not other.type._core.isMeshed
         for other in body.scene.bodies
     )
-    error = "on stiff soil a strip footing resists up to 19 % too much"
+    error = "on sand a strip footing resists up to 15 % too much"
     if isAmongBoxes:
         error = "beside boxes a strip footing resists up to 8 % too much"
     return (

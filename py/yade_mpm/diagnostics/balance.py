@@ -146,13 +146,13 @@ def implicitEnergy(scene):
 
 
 @takes(scene=SCENE, initialKineticEnergy=NUMBER, relative=FLAG, kinetic=NUMBER)
-def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
+def energyError(scene, initialKineticEnergy=None, relative=False, kinetic=None):
     """What is missing in the energy balance, W_ext - W_damp - W_contact - W_implicit - W_int - (E_kin -
     E_kin,0), kJ.
 
     Parameters
     ----------
-    initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
+    initialKineticEnergy : E_kin,0 at the start, kJ; default: that of the state before the first step.
     relative : divide by |W_ext| + W_damp + W_contact + W_implicit + |W_int| + E_kin + E_kin,0;
         0 where all are zero.
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
@@ -161,6 +161,8 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     hold stops what moves. What is left open in an elastic scene falls with the square of the step under MUSL.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    if initialKineticEnergy is None:
+        initialKineticEnergy = scene._startEnergy if scene.steps else kinetic
     external, internal, damped = (
         externalWork(scene),
         internalWork(scene),

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from .. import diagnostics
 from ..base.html import card, paragraph, table
 from ..base.keywords import checked
 from ..base.kinds import DICT, FILE, WHOLE, takes
@@ -90,7 +89,6 @@ class History(Callback):
         self._data, self._units, self._count = {}, {}, 0
         self._before = {}  # name -> time of the last row, time integrals until then
         self._motions = {}  # name -> prescribed motion of that name
-        self._initialEnergy = None
         self._files = RowFiles(self._file)
         self._flushed = time.monotonic()
         self._isTold = False  # that rows have no room
@@ -187,19 +185,17 @@ class History(Callback):
 
     def state(self):
         """See `Callback`: rows so far, and what the next one starts from."""
-        return dict(
-            data=self._data, units=self._units, before=self._before, initialEnergy=self._initialEnergy
-        )
+        return dict(data=self._data, units=self._units, before=self._before)
 
     def restoreState(self, state):
         """See `Callback`; the files are made to hold just these rows."""
-        if not {"data", "units", "before", "initialEnergy"} <= set(state):
+        if not {"data", "units", "before"} <= set(state):
             raise ValueError("History: the state of a checkpoint is not complete; use what `state` has given")
         self._data = {str(name): [_asNumber(v) for v in column] for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
         if any(len(column) < self._count or "\n" in name for name, column in self._data.items()):
             raise ValueError("History: the rows of a checkpoint are not complete")
-        self._units, self._initialEnergy = dict(state["units"]), state["initialEnergy"]
+        self._units = dict(state["units"])
         self._before = {str(name): [_asNumber(v) for v in row] for name, row in state["before"].items()}
 
     # --- engine ---
@@ -208,8 +204,6 @@ class History(Callback):
         others = [e for e in scene.engines if isinstance(e, History) and e is not self]
         if any(e.label == self.label or (self._file and e.file == self._file) for e in others):
             raise ValueError("History: two histories have the same label or file; give each its own")
-        if self._initialEnergy is None:
-            self._initialEnergy = diagnostics.kineticEnergy(scene)
         for c in scene.constraints:
             if self._motions.setdefault(c.name, c) is not c:  # another one of that name
                 self._before.pop(c.name, None)
@@ -264,7 +258,7 @@ class History(Callback):
     # --- rows ---
     def _row(self, scene):
         integrals = quantities.timeIntegrals(scene)
-        row = quantities.measured(scene, self._means(scene, integrals), self._initialEnergy)
+        row = quantities.measured(scene, self._means(scene, integrals))
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
         now = {RATE + name: [row[name][1]] for name in self._columns.rates()}

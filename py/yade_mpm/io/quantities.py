@@ -37,7 +37,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
 EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s", "m3/s")  # per metre of thickness in plane strain
 
 
-def measured(scene, means, initialEnergy):
+def measured(scene, means):
     """Dict name -> (unit in 3D, value) of all standard columns.
 
     Parameters
@@ -45,7 +45,6 @@ def measured(scene, means, initialEnergy):
     scene : Scene
     means : dict name -> mean of what `timeIntegrals` has, since the last row; values of the last step where
         missing.
-    initialEnergy : float, kJ, kinetic energy at the start.
     """
     row = {}
     for name, (unit, function) in STANDARD.items():
@@ -61,7 +60,7 @@ def measured(scene, means, initialEnergy):
         elif name == "contactEnergy":
             if any(body.implicit for body in scene.bodies):
                 row["implicitEnergy"] = ("kJ", diagnostics.implicitEnergy(scene))
-            error = diagnostics.energyError(scene, initialEnergy, kinetic=row["kineticEnergy"][1])
+            error = diagnostics.energyError(scene, kinetic=row["kineticEnergy"][1])
             row["energyError"] = ("kJ", error)
         elif name == "workDone":
             row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))

@@ -108,7 +108,9 @@ def _build(spec, arrays, callbacks, permissions, file):
     scene.allowUnstable, scene.dt = spec["allowUnstable"], spec["dt"]
     estimated = {name: spec[name] for name in ("dtCritical", "stiffest")}
     rested = spec.get("restedAt")
+    start = spec.get("startEnergy")
     estimated["_restedAt"] = rested if isNumber(rested) else None
+    estimated["_startEnergy"] = start if isNumber(start) else 0.0
     keep(scene, **estimated, dtStable=spec.get("dtStable", spec["dtCritical"]))
     _checkClock(spec)
     scene._core.dt, scene._core.time, scene._core.step = spec["currentDt"], spec["time"], spec["steps"]

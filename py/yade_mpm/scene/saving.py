@@ -100,6 +100,7 @@ def describe(scene):
         "time": scene.time,
         "steps": scene.steps,
         "energies": dict(scene._core.energies),
+        "startEnergy": scene._startEnergy,
         "settling": scene._dampingAfterSettling,
         "restedAt": scene._restedAt,
         "changes": scene.changes,

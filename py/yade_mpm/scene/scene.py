@@ -186,6 +186,7 @@ class Scene(HasEngines, HasClock, Guarded):
             _geostaticGravity=None,  # m/s2 that the initial stress balances
             _geostaticLayers={},  # name of a body -> Layer that initialStress made of it
             _dampingAfterSettling=None,  # while settle() is at work
+            _startEnergy=0.0,  # kJ, kinetic energy before the first step
             _restedAt=None,  # s, when settle() was done: a check of the run begins there
             _notedSignals=None,  # that came between the runs of settle()
             _loadsAndDrives=[],  # that were made for its bodies, whether given to it or not

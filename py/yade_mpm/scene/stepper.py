@@ -14,6 +14,7 @@ from ..check import limits
 from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
 from ..check.mistakes import likelyMistakes, stiffContacts
+from ..diagnostics.balance import kineticEnergy
 from ..engine import chain
 from ..engine.callback import Callback
 from ..engine.engine import belongTo
@@ -158,6 +159,7 @@ class Stepper(TimeStep, Guarded):
         for body in scene.bodies:
             checkFields(body)
         if scene.steps == 0:
+            keep(scene, _startEnergy=kineticEnergy(scene))
             for mistake in likelyMistakes(scene, scene._gridSolver("prepare").gravity):
                 warnUser(mistake)
         self._warnOfThinBeams()

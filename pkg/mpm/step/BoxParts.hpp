@@ -10,12 +10,91 @@
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
+#include "mpm/state/Bins.hpp"
 #include "mpm/state/cover.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <map>
+#include <utility>
 
 namespace mpm {
+
+// Cells of the grid round some, each with its share s. What was marked in a step is forgotten cell by cell: a grid may
+// be large, and one thread does this.
+template <int Dim> class MarkedCells {
+  public:
+    void reset(const Grid<Dim>& grid) {
+        for (int cell : cells_) isMarked_[cell] = 0;
+        cells_.clear();
+        edges_.clear();
+        isMarked_.resize(grid.count);
+        inside_.resize(grid.count);
+        number_.resize(grid.count);
+        outermost_ = 0;
+    }
+    void add(int cell) {
+        if (!isMarked_[cell]) cells_.push_back(cell);
+        isMarked_[cell] = true;
+    }
+    // By the cells round the outermost.
+    void widen(const Grid<Dim>& grid) {
+        const size_t first = std::exchange(outermost_, cells_.size());
+        for (size_t i = first; i < outermost_; ++i)
+            anyAround(grid, cells_[i], [&](int other) {
+                add(other);
+                return false;
+            });
+    }
+    template <class F> void setInside(F&& of) {
+        for (int cell : cells_) inside_[cell] = of(cell);
+    }
+    // Of those that may be one: cells which have one beside them with another share, and all of those marked.
+    template <class MayBe> void findEdges(const Grid<Dim>& grid, MayBe&& mayBe) {
+        for (size_t i = 0; i < cells_.size(); ++i) {
+            const int cell = cells_[i];
+            if (!mayBe(cell)) continue;
+            const double inside = inside_[cell];
+            if (!anyAround(grid, cell, [&](int other) { return inside_[other] != inside; })) continue;
+            if (i < outermost_ || !anyAround(grid, cell, [&](int other) { return !isMarked_[other]; }))
+                edges_.push_back(cell);
+        }
+        std::sort(edges_.begin(), edges_.end());
+        for (size_t e = 0; e < edges_.size(); ++e) {
+            isMarked_[edges_[e]] = 2;
+            number_[edges_[e]] = int(e);
+        }
+    }
+    const std::vector<int>& edges() const { return edges_; } // their numbers rise
+    bool isEdge(int cell) const { return isMarked_[cell] == 2; }
+    int numberOf(int edge) const { return number_[edge]; }
+    double inside(int cell) const { return inside_[cell]; }
+    bool empty() const { return cells_.empty(); }
+
+  private:
+    std::vector<char> isMarked_;
+    std::vector<double> inside_; // s, of marked ones
+    std::vector<int> number_;    // of edges, among them
+    std::vector<int> cells_, edges_;
+    size_t outermost_ = 0; // the first of the ring that was added last
+
+    // Whether f(cell) is true of one round a cell, asked in the order of their numbers.
+    template <class F> static bool anyAround(const Grid<Dim>& grid, int cell, F&& f) {
+        const Index<Dim> index = grid.indices(cell);
+        int first[Dim], last[Dim];
+        for (int k = 0; k < Dim; ++k) {
+            first[k] = index[k] > grid.ghost ? -1 : 0;
+            last[k] = index[k] < grid.ghost + grid.cells[k] - 1 ? 1 : 0;
+        }
+        for (int z = Dim > 2 ? first[Dim - 1] : 0; z <= (Dim > 2 ? last[Dim - 1] : 0); ++z)
+            for (int y = first[1]; y <= last[1]; ++y) {
+                const int row = cell + y * grid.strides[1] + (Dim > 2 ? z * grid.strides[Dim - 1] : 0);
+                for (int x = first[0]; x <= last[0]; ++x)
+                    if (f(row + x)) return true;
+            }
+        return false;
+    }
+};
 
 // Of one body of the scene.
 template <int Dim> class BoxParts {
@@ -26,19 +105,23 @@ template <int Dim> class BoxParts {
     }
     bool empty() const { return parts_.empty(); }
 
-    // In cells from lowest to highest. isEdge(cell): whose boxes count. insideOf(cell): s.
-    template <class IsEdge, class InsideOf>
-    void find(const Body<Dim>& body, const Grid<Dim>& grid, int lowest, int highest, IsEdge&& isEdge,
-              InsideOf&& insideOf) {
-        const Vec<Dim> half = body.domains->boxes()->halfSize();
-        body.cellAverage.forCells(lowest, highest, [&](int p, int own) {
-            if (isEdge(own)) cut(body, grid, p, own, half, insideOf);
+    // Of the boxes in the edges of the marked cells.
+    void find(const Body<Dim>& body, const Grid<Dim>& grid, const MarkedCells<Dim>& marked) {
+        boxes_.clear();
+        edge_.clear();
+        body.cellAverage.forCells(marked.edges().front(), marked.edges().back(), [&](int p, int own) {
+            if (!marked.isEdge(own)) return;
+            boxes_.push_back(p);
+            edge_.push_back(marked.numberOf(own));
         });
-        std::stable_sort(parts_.begin(), parts_.end(),
-                         [](const Part& a, const Part& b) { return a.own < b.own; });
-        for (const Part& part : parts_) {
-            if (cells_.empty() || cells_.back().number != part.own) cells_.push_back({part.own});
-            cells_.back().volume += part.volume;
+        inEdge_.fill(int(marked.edges().size()), edge_);
+        for (int e = 0; e < int(marked.edges().size()); ++e) {
+            const size_t first = parts_.size();
+            for (int i = inEdge_.begin(e); i < inEdge_.end(e); ++i)
+                cut(body, grid, boxes_[inEdge_.point(i)], marked.edges()[e], marked);
+            if (parts_.size() == first) continue;
+            cells_.push_back({marked.edges()[e]});
+            for (size_t i = first; i < parts_.size(); ++i) cells_.back().volume += parts_[i].volume;
         }
     }
     // Adds the forces of the mean stress of the cells to the nodes.
@@ -81,39 +164,59 @@ template <int Dim> class BoxParts {
         int number;
         double volume = 0, flux = 0; // m3, m3/s
     };
+    // A part along one axis: of the box, its centre in the cell, 1/m, and the numbers between the two cells.
+    struct Along {
+        double share = 1, at = 0, over = 0;
+        int steps = 0;
+
+        Along() = default;
+        Along(const Grid<Dim>& grid, int k, int index, double from, double to, double half)
+            : share((to - from) / (2 * half)), over(1 / grid.cellSize(k, index)) {
+            at = (0.5 * (from + to) - grid.line(k, index)) / grid.cellSize(k, index);
+        }
+    };
     std::vector<Part> parts_; // in the order of the cells that count them
     std::vector<Own> cells_;
+    std::vector<int> boxes_, edge_; // boxes in the edges, and in which: memory of find()
+    Bins inEdge_;
 
     // Along each axis a box reaches into one of the cells beside that of its centre at most.
-    template <class InsideOf>
-    void cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const Vec<Dim>& half,
-             InsideOf&& insideOf) {
+    void cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const MarkedCells<Dim>& marked) {
+        const Vec<Dim> half = body.domains->boxes()->halfSize();
         const Index<Dim> index = grid.indices(own);
-        int side[Dim];
-        Vec<Dim> low, high, x = vectorAt<Dim>(body.particles.position, p);
+        Along along[Dim][2]; // in the cell of the centre, and beside it
+        bool reaches[Dim];
         for (int k = 0; k < Dim; ++k) {
-            low[k] = grid.line(k, index[k]);
-            high[k] = grid.line(k, index[k] + 1);
-            side[k] = x[k] - half[k] < low[k] ? -1 : x[k] + half[k] > high[k] ? 1 : 0;
+            const double x = body.particles.position.plane(k)[p], from = x - half[k], to = x + half[k];
+            const double low = grid.line(k, index[k]), high = grid.line(k, index[k] + 1);
+            const int side = from < low ? -1 : to > high ? 1 : 0, at = index[k] + side;
+            along[k][0] = Along(grid, k, index[k], std::max(low, from),
+                                std::min(low + grid.cellSize(k, index[k]), to), half[k]);
+            reaches[k] = side != 0 && at >= grid.ghost && at < grid.ghost + grid.cells[k];
+            if (!reaches[k]) continue;
+            const double start = grid.line(k, at);
+            along[k][1] =
+                Along(grid, k, at, side > 0 ? high : std::max(start, from),
+                      side < 0 ? low : std::min(start + grid.cellSize(k, at), to), half[k]);
+            along[k][1].steps = side * grid.strides[k];
         }
+        const double inside = marked.inside(own);
         for (int n = 1; n < corners<Dim>; ++n) { // along which axes it is beside
-            Part part{own, own, body.particles.volume.plane()[p], Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+            int cell = own;
             bool isThere = true;
             for (int k = 0; k < Dim; ++k) {
-                const int step = (n >> k & 1) * side[k];
-                const int at = index[k] + step;
-                isThere &= step != 0 || (n >> k & 1) == 0;
-                isThere &= at >= grid.ghost && at < grid.ghost + grid.cells[k];
-                const double edge = grid.cellSize(k, at), start = grid.line(k, at);
-                const double from = step > 0 ? high[k] : std::max(start, x[k] - half[k]);
-                const double to = step < 0 ? low[k] : std::min(start + edge, x[k] + half[k]);
-                part.cell += step * grid.strides[k];
-                part.volume *= (to - from) / (2 * half[k]);
-                part.at[k] = (0.5 * (from + to) - start) / edge;
-                part.over[k] = 1 / edge;
+                isThere &= reaches[k] || (n >> k & 1) == 0;
+                cell += (n >> k & 1) * along[k][1].steps;
             }
-            if (!isThere || insideOf(part.cell) == insideOf(own)) continue;
-            part.volume *= insideOf(own) - insideOf(part.cell);
+            if (!isThere || marked.inside(cell) == inside) continue;
+            Part part{own, cell, body.particles.volume.plane()[p], Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+            for (int k = 0; k < Dim; ++k) {
+                const Along& one = along[k][n >> k & 1];
+                part.volume *= one.share;
+                part.at[k] = one.at;
+                part.over[k] = one.over;
+            }
+            part.volume *= inside - marked.inside(cell);
             parts_.push_back(part);
         }
     }
@@ -129,51 +232,6 @@ template <int Dim> class BoxParts {
             f(cornerOf(grid, part.cell, a), slope);
         }
     }
-};
-
-// Marked cells of the grid, each with its share s. What was marked in a step is forgotten cell by cell: a grid may be
-// large, and one thread does this.
-template <int Dim> class MarkedCells {
-  public:
-    void reset(const Grid<Dim>& grid) {
-        for (int cell : cells_) isMarked_[cell] = 0;
-        cells_.clear();
-        edges_.clear();
-        isMarked_.resize(grid.count);
-        inside_.resize(grid.count);
-    }
-    void add(int cell) {
-        if (!isMarked_[cell]) cells_.push_back(cell);
-        isMarked_[cell] = true;
-    }
-    void widen(const Grid<Dim>& grid) {
-        const std::vector<int> before = cells_;
-        for (int cell : before) forAround(grid, cell, [&](int other, int) { add(other); });
-    }
-    template <class F> void setInside(F&& of) {
-        for (int cell : cells_) inside_[cell] = of(cell);
-    }
-    // Whether a cell, but for the outermost, has one beside it with another share.
-    bool isEdge(int cell) const { return isMarked_[cell] == 2; }
-    void findEdges(const Grid<Dim>& grid) {
-        for (int cell : cells_) {
-            bool isWithin = true, differs = false;
-            forAround(grid, cell, [&](int other, int) {
-                isWithin &= isMarked_[other] != 0;
-                differs |= inside_[other] != inside_[cell];
-            });
-            if (isWithin && differs) edges_.push_back(cell);
-        }
-        for (int cell : edges_) isMarked_[cell] = 2;
-    }
-    double inside(int cell) const { return inside_[cell]; }
-    const std::vector<int>& edges() const { return edges_; }
-    bool empty() const { return cells_.empty(); }
-
-  private:
-    std::vector<char> isMarked_;
-    std::vector<double> inside_; // s, of marked ones
-    std::vector<int> cells_, edges_;
 };
 
 // An engine whose bodies press on boxes.
@@ -227,12 +285,8 @@ template <int Dim> void findBoxParts(const Scene<Dim>& scene, PressingOnBoxes& f
                         inside = std::max(inside, at->inside);
             return inside;
         });
-        cells.findEdges(grid);
-        if (cells.edges().empty()) continue;
-        const auto [lowest, highest] = std::minmax_element(cells.edges().begin(), cells.edges().end());
-        parts[b].find(
-            body, grid, *lowest, *highest, [&](int cell) { return cells.isEdge(cell); },
-            [&](int cell) { return cells.inside(cell); });
+        cells.findEdges(grid, [&](int cell) { return body.cellAverage.occupied(cell) != nullptr; });
+        if (!cells.edges().empty()) parts[b].find(body, grid, cells);
     }
 }
 

@@ -100,10 +100,10 @@ template <int Dim> class MarkedCells {
 template <int Dim> class BoxParts {
   public:
     void clear() {
-        parts_.clear();
         cells_.clear();
+        nodes_.clear();
     }
-    bool empty() const { return parts_.empty(); }
+    bool empty() const { return cells_.empty(); }
 
     // Of the boxes in the edges of the marked cells.
     void find(const Body<Dim>& body, const Grid<Dim>& grid, const MarkedCells<Dim>& marked) {
@@ -116,34 +116,37 @@ template <int Dim> class BoxParts {
         });
         inEdge_.fill(int(marked.edges().size()), edge_);
         for (int e = 0; e < int(marked.edges().size()); ++e) {
-            const size_t first = parts_.size();
+            Own cell{marked.edges()[e], int(nodes_.size())};
+            Vec<Dim> sums[block];
+            for (auto& sum : sums) sum.setZero();
             for (int i = inEdge_.begin(e); i < inEdge_.end(e); ++i)
-                cut(body, grid, boxes_[inEdge_.point(i)], marked.edges()[e], marked);
-            if (parts_.size() == first) continue;
-            cells_.push_back({marked.edges()[e]});
-            for (size_t i = first; i < parts_.size(); ++i) cells_.back().volume += parts_[i].volume;
+                cell.volume += cut(body, grid, boxes_[inEdge_.point(i)], cell.number, marked, sums);
+            for (int n = 0; n < block; ++n) {
+                if (sums[n].isZero(0)) continue;
+                int node = cell.number;
+                for (int k = 0, rest = n; k < Dim; ++k, rest /= 4) node += (rest % 4 - 1) * grid.strides[k];
+                nodes_.push_back({node, sums[n]});
+            }
+            cell.end = int(nodes_.size());
+            if (cell.end > cell.first) cells_.push_back(cell);
         }
     }
     // Adds the forces of the mean stress of the cells to the nodes.
-    void addForces(const Body<Dim>& body, const Grid<Dim>& grid, typename NodalField<Dim>::Sum* nodes) const {
-        for (const Part& part : parts_) {
-            const auto& cell = *body.cellAverage.occupied(part.own);
+    void addForces(const Body<Dim>& body, typename NodalField<Dim>::Sum* nodes) const {
+        for (const Own& own : cells_) {
+            const auto& cell = *body.cellAverage.occupied(own.number);
             if (cell.shared > 0) continue;
-            forCorners(grid, part, [&](int node, const Vec<Dim>& slope) {
+            for (int n = own.first; n < own.end; ++n)
                 for (int k = 0; k < Dim; ++k)
-                    NodalField<Dim>::addForce(nodes[node], k, -cell.mean * part.volume * slope[k]);
-            });
+                    NodalField<Dim>::addForce(nodes[nodes_[n].node], k, -cell.mean * nodes_[n].slope[k]);
         }
     }
     // Before rate(): what flows into the parts of each cell.
-    template <class Velocity> void takeFluxes(const Grid<Dim>& grid, const Velocity* nodes) {
-        auto cell = cells_.begin();
-        for (auto& each : cells_) each.flux = 0;
-        for (const Part& part : parts_) {
-            while (cell->number != part.own) ++cell;
-            forCorners(grid, part, [&](int node, const Vec<Dim>& slope) {
-                for (int k = 0; k < Dim; ++k) cell->flux += part.volume * slope[k] * nodes[node][k];
-            });
+    template <class Velocity> void takeFluxes(const Velocity* nodes) {
+        for (Own& cell : cells_) {
+            cell.flux = 0;
+            for (int n = cell.first; n < cell.end; ++n)
+                for (int k = 0; k < Dim; ++k) cell.flux += nodes_[n].slope[k] * nodes[nodes_[n].node][k];
         }
     }
     // Rate of volume change of a cell with its parts, 1/s, from that without; acting: volume of this one, m3.
@@ -155,81 +158,89 @@ template <int Dim> class BoxParts {
     }
 
   private:
-    struct Part {
-        int own, cell;     // that counts the box, and that the part lies in
-        double volume;     // m3, times s_c - s_j
-        Vec<Dim> at, over; // its centre, from 0 to 1 along the edges of the cell; 1/m, over these edges
-    };
+    static constexpr int block = Dim == 2 ? 16 : 64; // nodes of a cell and of those round it
+
+    // Of a cell that counts boxes: volume of all parts, times s_c - s_j, what flows into them, and its nodes_.
     struct Own {
-        int number;
+        int number, first, end = 0;
         double volume = 0, flux = 0; // m3, m3/s
     };
-    // A part along one axis: of the box, its centre in the cell, 1/m, and the numbers between the two cells.
+    struct Node {
+        int node;
+        Vec<Dim> slope; // m2, the sum of (s_c - s_j) V_j grad S
+    };
+    // A part along one axis: of the box; hat functions of the two nodes at its centre, their slope, 1/m; the lower
+    // node, from that before the cell of the box.
     struct Along {
-        double share = 1, at = 0, over = 0;
-        int steps = 0;
+        double share = 1, hat[2] = {0, 0}, slope = 0;
+        int node = 1;
 
         Along() = default;
         Along(const Grid<Dim>& grid, int k, int index, double from, double to, double half)
-            : share((to - from) / (2 * half)), over(1 / grid.cellSize(k, index)) {
-            at = (0.5 * (from + to) - grid.line(k, index)) / grid.cellSize(k, index);
+            : share((to - from) / (2 * half)), slope(1 / grid.cellSize(k, index)) {
+            hat[1] = (0.5 * (from + to) - grid.line(k, index)) / grid.cellSize(k, index);
+            hat[0] = 1 - hat[1];
         }
     };
-    std::vector<Part> parts_; // in the order of the cells that count them
-    std::vector<Own> cells_;
+    std::vector<Own> cells_; // their numbers rise
+    std::vector<Node> nodes_;
     std::vector<int> boxes_, edge_; // boxes in the edges, and in which: memory of find()
     Bins inEdge_;
 
-    // Along each axis a box reaches into one of the cells beside that of its centre at most.
-    void cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const MarkedCells<Dim>& marked) {
+    // Adds the parts of a box to the sums of its cell; returns their volume. Along each axis it reaches into one of the
+    // cells beside that of its centre at most.
+    double cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const MarkedCells<Dim>& marked,
+               Vec<Dim>* sums) const {
         const Vec<Dim> half = body.domains->boxes()->halfSize();
         const Index<Dim> index = grid.indices(own);
         Along along[Dim][2]; // in the cell of the centre, and beside it
-        bool reaches[Dim];
+        int side[Dim];       // 0: it does not reach there
         for (int k = 0; k < Dim; ++k) {
             const double x = body.particles.position.plane(k)[p], from = x - half[k], to = x + half[k];
             const double low = grid.line(k, index[k]), high = grid.line(k, index[k] + 1);
-            const int side = from < low ? -1 : to > high ? 1 : 0, at = index[k] + side;
-            along[k][0] = Along(grid, k, index[k], std::max(low, from),
-                                std::min(low + grid.cellSize(k, index[k]), to), half[k]);
-            reaches[k] = side != 0 && at >= grid.ghost && at < grid.ghost + grid.cells[k];
-            if (!reaches[k]) continue;
-            const double start = grid.line(k, at);
-            along[k][1] =
-                Along(grid, k, at, side > 0 ? high : std::max(start, from),
-                      side < 0 ? low : std::min(start + grid.cellSize(k, at), to), half[k]);
-            along[k][1].steps = side * grid.strides[k];
+            side[k] = from < low ? -1 : to > high ? 1 : 0;
+            along[k][0] = Along(grid, k, index[k], std::max(low, from), std::min(high, to), half[k]);
+            const int at = index[k] + side[k];
+            if (at < grid.ghost || at >= grid.ghost + grid.cells[k]) side[k] = 0;
+            if (side[k] == 0) continue;
+            const double start = grid.line(k, at), end = grid.line(k, at + 1);
+            along[k][1] = Along(grid, k, at, side[k] > 0 ? high : std::max(start, from),
+                                side[k] < 0 ? low : std::min(end, to), half[k]);
+            along[k][1].node += side[k];
         }
-        const double inside = marked.inside(own);
+        double all = 0;
         for (int n = 1; n < corners<Dim>; ++n) { // along which axes it is beside
             int cell = own;
             bool isThere = true;
             for (int k = 0; k < Dim; ++k) {
-                isThere &= reaches[k] || (n >> k & 1) == 0;
-                cell += (n >> k & 1) * along[k][1].steps;
+                isThere &= side[k] != 0 || (n >> k & 1) == 0;
+                cell += (n >> k & 1) * side[k] * grid.strides[k];
             }
-            if (!isThere || marked.inside(cell) == inside) continue;
-            Part part{own, cell, body.particles.volume.plane()[p], Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+            const double share = isThere ? marked.inside(own) - marked.inside(cell) : 0;
+            if (share == 0) continue;
+            const Along* part[Dim];
+            double volume = share * body.particles.volume.plane()[p];
             for (int k = 0; k < Dim; ++k) {
-                const Along& one = along[k][n >> k & 1];
-                part.volume *= one.share;
-                part.at[k] = one.at;
-                part.over[k] = one.over;
+                part[k] = &along[k][n >> k & 1];
+                volume *= part[k]->share;
             }
-            part.volume *= inside - marked.inside(cell);
-            parts_.push_back(part);
+            all += volume;
+            addSlopes(part, volume, sums);
         }
+        return all;
     }
-    // f(node, gradient of its hat function at the centre of a part).
-    template <class F> static void forCorners(const Grid<Dim>& grid, const Part& part, F&& f) {
+    // Adds those of the hat functions at the centre of a part.
+    static void addSlopes(const Along* const part[Dim], double volume, Vec<Dim>* sums) {
         for (int a = 0; a < corners<Dim>; ++a) {
-            Vec<Dim> slope;
-            for (int k = 0; k < Dim; ++k) {
-                slope[k] = cornerSign(a, k) * part.over[k];
+            int node = 0;
+            Vec<Dim> slope = Vec<Dim>::Constant(volume);
+            for (int k = Dim - 1; k >= 0; --k) {
+                const int corner = cornerSign(a, k) > 0;
+                node = 4 * node + part[k]->node + corner;
                 for (int i = 0; i < Dim; ++i)
-                    if (i != k) slope[k] *= cornerSign(a, i) > 0 ? part.at[i] : 1 - part.at[i];
+                    slope[i] *= i == k ? cornerSign(a, k) * part[k]->slope : part[k]->hat[corner];
             }
-            f(cornerOf(grid, part.cell, a), slope);
+            sums[node] += slope;
         }
     }
 };
@@ -294,7 +305,7 @@ template <int Dim> void findBoxParts(const Scene<Dim>& scene, PressingOnBoxes& f
 template <int Dim> void addBoxParts(Scene<Dim>& scene, const std::vector<BoxParts<Dim>>& parts) {
     for (size_t b = 0; b < parts.size(); ++b)
         if (!parts[b].empty())
-            parts[b].addForces(*scene.bodies[b], scene.grid,
+            parts[b].addForces(*scene.bodies[b],
                                scene.grid.fields[scene.bodies[b]->velocityField].sum.data());
 }
 

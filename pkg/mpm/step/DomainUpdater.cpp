@@ -190,7 +190,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
         auto* const parts = partsOf(scene, body);
-        if (parts) region.once([&] { parts->takeFluxes(scene.grid, nodes); });
+        if (parts) region.once([&] { parts->takeFluxes(nodes); });
         const bool atOnce = body.material->takesWholeBody(); // its stress comes with wholeBody()
         const auto of = [&](int p) { return value[p]; };
         cells.template average<false>(region, volume, of, [&](int number, auto& cell) {

@@ -28,7 +28,7 @@ template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
 // nodes that a box of at most one cell around x reaches.
 struct HatMeans {
     int first = 0;
-    double mean[3];
+    double mean[3], slope[3]; // slope: of the mean as the box moves, 1/m
 
     HatMeans() = default;
     template <int Dim> HatMeans(const Grid<Dim>& grid, int axis, double x, double from, double to) {
@@ -36,6 +36,10 @@ struct HatMeans {
         const double start = grid.inCells(from, axis), end = grid.inCells(to, axis);
         first = std::clamp(int(start), nearest - 1, nearest);
         const double a = start - first, b = end - first; // hats are straight on either side of b = 1
+        slope[0] = (std::min(a, 1.0) - std::min(b, 1.0)) / (to - from);
+        slope[2] = std::max(0.0, b - 1) - std::max(0.0, a - 1);
+        slope[2] /= to - from;
+        slope[1] = -slope[0] - slope[2];
         if (b <= 1) {
             mean[1] = 0.5 * (a + b);
             mean[0] = 1 - mean[1];
@@ -58,6 +62,23 @@ template <int Dim> class BoxHats {
         for (int k = 0; k < Dim; ++k) {
             const double x = soil.particles.position.plane(k)[p], half = std::max(0.0, l[k] - std::abs(d[k]));
             along_[k] = HatMeans(grid, k, x, x + d[k] - half, x + d[k] + half);
+        }
+    }
+
+    // f(node, H, its gradient) for the nodes of a box around its centre.
+    template <class F> void forSlopes(F&& f) const {
+        for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
+            int node = 0;
+            double H = 1;
+            Vec<Dim> gradient = Vec<Dim>::Ones();
+            for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
+                const HatMeans& along = along_[k];
+                const int i = rest % 3;
+                node += (along.first + i) * grid_.strides[k];
+                H *= along.mean[i];
+                for (int m = 0; m < Dim; ++m) gradient[m] *= m == k ? along.slope[i] : along.mean[i];
+            }
+            if (H != 0) f(node, H, gradient);
         }
     }
 
@@ -105,12 +126,18 @@ template <int Dim> struct BoxNodes {
     std::optional<BoxHats<Dim>> inside;
 
     BoxNodes(const Body<Dim>& soil, const Grid<Dim>& grid, int p, bool weighsByHats) {
-        if (!weighsByHats) inside.emplace(soil, grid, p, Vec3::Zero());
-        soil.domains->weights(p, [this](int i, double weight, const Vec<Dim>& slope) {
+        const auto add = [this](int i, double weight, const Vec<Dim>& slope) {
             node[count] = i;
             phi[count] = weight;
             gradient[count++] = slope;
-        });
+        };
+        const BoxHats<Dim> hats(soil, grid, p, Vec3::Zero());
+        if (weighsByHats) {
+            hats.forSlopes(add);
+            return;
+        }
+        inside.emplace(hats);
+        soil.domains->weights(p, add);
     }
 };
 

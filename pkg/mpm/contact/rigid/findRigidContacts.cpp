@@ -80,11 +80,17 @@ void NearContacts::find(const Scene<Dim>& scene, const std::vector<BodyPoints<Di
 
 void NearContacts::keep(const std::vector<RigidShape>& shapes, std::vector<RigidContactPoint>& contacts) {
     order_.clear();
-    for (int i = 0; i < int(found_.size()); ++i) order_.emplace_back(found_[i].key, i);
-    std::sort(order_.begin(), order_.end());
+    for (int i = 0; i < int(found_.size()); ++i) {
+        const Key& key = found_[i].key;
+        order_.push_back({uint64_t(key.soil) << 48 | uint64_t(key.id), i});
+    }
+    std::sort(order_.begin(), order_.end(), [this](const Place& a, const Place& b) {
+        return a.point != b.point ? a.point < b.point : found_[a.found].key < found_[b.found].key;
+    });
     contacts.clear();
-    for (const auto& [key, i] : order_) {
-        const Found& f = found_[i];
+    for (const Place& at : order_) {
+        const Found& f = found_[at.found];
+        const Key& key = f.key;
         bool isRepeat = false;
         for (size_t k = contacts.size(); k-- > 0;) {
             const RigidContactPoint& c = contacts[k];

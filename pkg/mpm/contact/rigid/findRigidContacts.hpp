@@ -36,8 +36,13 @@ class NearContacts {
         Key key;
         Vec3 normal, point, edge;
     };
+    // One that was found, with the body and the id of its point in one number: most differ in that.
+    struct Place {
+        uint64_t point;
+        int found;
+    };
     std::vector<Found> found_; // these two only keep their memory from step to step
-    std::vector<std::pair<Key, int>> order_;
+    std::vector<Place> order_;
 
     void keep(const std::vector<RigidShape>& shapes, std::vector<RigidContactPoint>& contacts);
 };

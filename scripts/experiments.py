@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Beside experiments: a dam break (Martin & Moyce 1952), columns of sand of friction sin(31 degrees) (Lube et
-al. 2005) and of aluminium rods of 19.8 degrees (Nguyen, Bui & Fukagawa 2015). Units: Mg, m, s, kPa."""
+al. 2005) and of aluminium rods of 19.8 degrees (Nguyen, Bui & Fukagawa 2015), glass beads on a chute
+(Pouliquen 1999). Units: Mg, m, s, kPa."""
 
 import os
-from math import radians
+from math import radians, tan
 
 import numpy as np
 import yade_mpm as mpm
@@ -16,14 +17,24 @@ WIDTH = 0.05715  # m, of the water
 FRONT = (1.19, 1.43, 1.63, 1.83, 1.98, 2.20, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11), np.linspace(1.44, 3.89, 12)
 LENGTH, RODS = 0.1, 0.2  # m, of the columns of sand and of rods
 FLIP = 0.99  # share of their own velocity that grains keep
+GRAIN, DEEP = 0.53e-3, 20  # m, of glass beads; of them in the depth of the layer on the chute
+SLOW, FAST, STOP, FROUDE = (
+    tan(radians(20.9)),
+    tan(radians(32.76)),
+    1.65,
+    0.136,
+)  # -; of glass beads on rough planes
 
 CELLS = Parameter("cells", 10, "cells in the width of the water and of a column", whole=True, least=4)
 ASPECTS = Parameter("aspects", [0.5, 1.0, 2.0, 4.0], "heights of columns over lengths", several=True, above=0)
 RATIOS = Parameter(
     "ratios", [0.7, 1.0, 2.0, 3.0], "heights of columns of rods over lengths", several=True, above=0
 )
-SMOKE = {"ratios": [1.0], "cells": 4, "aspects": [0.5]}
-PARAMETERS = mpm.Parameters("experiments", __doc__, CELLS, ASPECTS, RATIOS, smoke=SMOKE)
+SLOPES = Parameter(
+    "slopes", [23.0, 24.0, 25.0, 26.0], "of the chute", unit="degrees", several=True, least=22, most=28
+)
+SMOKE = {"ratios": [1.0], "cells": 4, "aspects": [0.5], "slopes": [24.0]}
+PARAMETERS = mpm.Parameters("experiments", __doc__, CELLS, ASPECTS, RATIOS, SLOPES, smoke=SMOKE)
 
 
 def damBreak(a):
@@ -82,6 +93,45 @@ def rods(a, ratio):
     return height / body.corners()[..., 1].max()
 
 
+def chuteLaw(slope):
+    """Depth of the layer over that at which it stops, and mean velocity over sqrt(g h), as measured."""
+    steep = tan(radians(slope))
+    over = DEEP * (steep - SLOW) / (STOP * (FAST - steep))
+    return over, FROUDE * over
+
+
+def chute(a, slope):
+    """Mean velocity over sqrt(g h) of a layer that is alike along a rough chute, and that measured."""
+    deep, steep = DEEP * GRAIN, radians(slope)
+    cell = deep / a.cells
+    beads = mpm.MuI(
+        density=1.5,
+        young=300 * G * deep,
+        poisson=0.2,
+        staticFriction=SLOW,
+        fastFriction=FAST,
+        inertialNumber=0.279,
+        grainSize=GRAIN,
+    )
+    gravity = (G * np.sin(steep), -G * np.cos(steep))
+    scene = mpm.Scene((0, 0), (8 * cell, deep + 2 * cell), cell=cell, gravity=gravity, threads=a.threads)
+    scene.fix("bottom")
+    layer = scene.add(
+        "layer", mpm.box((2 * cell, 0), (6 * cell, deep)), beads, mpm.UGIMP(perCell=2), fbar=False
+    )
+    layer.stress = 1.5 * gravity[1] * (deep - layer.position[:, 1])[:, None, None] * np.eye(3)
+    along = layer.position[:, 0].copy()
+
+    def putBack():
+        layer.position[:, 0] = along
+        layer.deformationGradient[:, 0, 1] = 0
+
+    scene.engines.insert(1, mpm.UniformAlong(axis="x"))
+    scene.engines.append(mpm.PyRunner(putBack, iterPeriod=1))
+    scene.run(until=120 * np.sqrt(deep / G), progress=False)
+    return layer.velocity[:, 0].mean() / np.sqrt(G * deep), chuteLaw(slope)[1]
+
+
 def main():
     a = PARAMETERS.parse()
     for several in (a.aspects, a.ratios):  # rows of boxes are half a cell high
@@ -90,8 +140,11 @@ def main():
     shift = np.median(np.array(FRONT[0]) - np.interp(FRONT[1], front, times))  # the gate
     found = [column(a, aspect) for aspect in a.aspects]
     heights, ratios = [rods(a, ratio) for ratio in a.ratios], np.linspace(0.65, 3, 20)
+    speeds = [chute(a, slope)[0] for slope in a.slopes]
     low, high = np.linspace(0.4, 1.8, 9), np.linspace(2.8, 5, 9)  # where Lube et al. give a law
-    figure, axes = plot.plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
+    slopes = np.linspace(22.5, 26.5, 30)
+    figure, axes = plot.plt.subplots(2, 2, figsize=(9, 6.4), layout="constrained")
+    axes = axes.ravel()
     axes[0].plot(*FRONT, "ko", label="Martin & Moyce 1952")
     axes[0].plot(times + shift, front, label="water")
     axes[0].set(
@@ -106,6 +159,9 @@ def main():
     axes[2].plot(ratios, 1.42 * ratios ** (2 / 3), "k", label="Nguyen et al. 2015")
     axes[2].plot(a.ratios, heights, "o", label="rods")
     axes[2].set(xlabel="height over length of the column", ylabel="height over the final height")
+    axes[3].plot(slopes, [chuteLaw(slope)[1] for slope in slopes], "k", label="Pouliquen 1999")
+    axes[3].plot(a.slopes, speeds, "o", label="glass beads")
+    axes[3].set(xlabel="slope of the chute, degrees", ylabel="mean velocity over √(g depth)")
     for axis in axes:
         axis.legend()
     print(
@@ -115,6 +171,10 @@ def main():
     print(
         "rods: height, height over the final one:",
         *zip(np.round(a.ratios, 2).tolist(), np.round(heights, 2).tolist()),
+    )
+    print(
+        "chute: slope, u/sqrt(g h), measured:",
+        *zip(a.slopes, np.round(speeds, 3).tolist(), [round(chuteLaw(slope)[1], 3) for slope in a.slopes]),
     )
     os.makedirs(a.out, exist_ok=True)
     plot.save(figure, f"{a.out}/experiments.png")

@@ -7,6 +7,12 @@ mu(I) on an incline of 26 degrees (GDR MiDi 2004), of Poiseuille and Herschel-Bu
 Tolerance: 4 % of the fastest velocity (2.7 % found on the incline, 1.4 % with cells of half the size).
 Controls: an incline of 26.3 degrees, and a Newtonian profile for the plug, are told apart.
 
+Chute. Set-up: the same layer, 10 cells and 20 grains of 0.53 mm deep, at 24 degrees. Reference: what
+Pouliquen 1999 (Phys. Fluids 11, 542-548) measured with glass beads on rough planes: u/sqrt(g h) = 0.136
+h/h_stop, with h_stop = 1.65 d (tan 32.76 - tan slope)/(tan slope - tan 20.9) (Forterre & Pouliquen 2003,
+J. Fluid Mech. 486, 21-50). I0 = 0.279 of mu(I) was found from such flows (Jop et al. 2006, Nature 441,
+727-730). Tolerance: 5 % (2.9 % found). Control: a degree more is faster by more than 20 %.
+
 Dam break. Set-up: a column of water 0.057 m wide and twice as high on a smooth floor, 10 cells wide.
 Reference: Martin & Moyce 1952, Phil. Trans. R. Soc. A 244, 312-324, table 2: the front reaches Z widths at
 the time T sqrt(a/2g). The gate of the experiment takes time to open, which is a shift in T (0.2); so what
@@ -32,6 +38,9 @@ height of the fill, also of mu(I) (Staron, Lagree & Popinet 2012, Phys. Fluids 2
 from two outlets, and the third is predicted; W0 is that of the grid, 0.7 cells at each edge. Tolerance: 5
 %. Control: a liquid runs out faster from a higher level.
 """
+
+import importlib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -88,6 +97,15 @@ def testGrainsFlowDownAnInclineByBagnoldsProfile(cells, verified):
     verified(u, exact, scale=exact.max())
     steeper = bagnold(y, np.radians(26.3), size, still, fast, I0)
     assert np.abs(u - steeper).max() > 0.04 * exact.max()
+
+
+@pytest.mark.filterwarnings("ignore:.*yields without F-bar")
+@pytest.mark.verifies("Flow of grains down a chute: velocity", reference="Pouliquen 1999", tolerance=0.05)
+def testGrainsFlowDownAChuteAsMeasured(verified):
+    experiments = importlib.import_module("experiments")
+    found, measured = experiments.chute(SimpleNamespace(cells=10, threads=1), 24.0)
+    verified(found, measured)
+    assert experiments.chuteLaw(25.0)[1] > 1.2 * found
 
 
 def channel(y, yieldStress, k, n, force):

@@ -80,22 +80,21 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
     auto& system = state.system;
     const auto& body = *wet.body;
     const bool byCells = body.fbar && body.cellAverage.actByCells();
-    state.isWhole.assign(system.unknowns, 0);
-    for (int c = 0; c < system.unknowns && byCells; ++c) {
+    state.isDone.resize(state.owed.size());
+    for (int c = 0; c < system.unknowns; ++c) {
         const int number = system.cells[c].number;
+        if (state.isDone[number] = state.solids.isNear(number); state.isDone[number] || !byCells) continue;
         const auto* average = body.cellAverage.occupied(number);
-        if (!average || average->inside < 1 || state.fill[number].dry > 0 || state.solids.isNear(number))
-            continue;
-        state.isWhole[c] = 1; // all of the body is in the soil, and full of water
+        if (!average || average->inside < 1 || state.fill[number].dry > 0) continue;
+        state.isDone[number] = 1; // all of the body is in the soil, and full of water
         system.cells[c].volume += average->share * average->whole;
         system.cells[c].storage += average->share * average->whole;
     }
-    for (int p = 0; p < body.particles.size(); ++p) {
-        if (!(wet.saturation[p] > 0)) continue;
-        const double own = body.particles.volume.plane()[p] / wet.points.per(p);
+    for (int p = 0; p < body.particles.size(); ++p)
         for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
+            if (state.isDone[wet.cell[point]] || !(wet.saturation[p] > 0)) continue;
             const int c = system.cellAt(wet.cell[point]);
-            if (state.isWhole[c] || state.solids.isNear(wet.cell[point])) continue;
+            const double own = body.particles.volume.plane()[p] / wet.points.per(p);
             const auto* average = byCells ? body.cellAverage.occupied(wet.cell[point]) : nullptr;
             const double inside = average ? average->inside : 0;
             const double all = average ? average->volume : own; // of the body in the cell
@@ -110,7 +109,6 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
                     system.parts.push_back({c, node, (1 - inside) * acting * slope});
                 });
         }
-    }
 }
 
 // Ghost nodes behind rollers move as their images before them.
@@ -340,7 +338,9 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     using NF = NodalField<Dim>;
     auto* const implicit = scene.template find<ImplicitBodies>();
     state.response.nodes.clear();
-    for (auto& node : state.system.nodes) node.step = node.stiffStep = Vec<Dim>::Zero();
+    auto& system = state.system;
+    for (auto& node : system.nodes) node.step = Vec<Dim>::Zero();
+    system.stiffSteps.clear();
     for (Mover<Dim>& mover : state.movers) {
         auto& node = state.system.nodes[mover.node];
         const auto& field = scene.grid.fields[mover.group];
@@ -350,7 +350,8 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
         }
         for (int k = 0; k < Dim; ++k)
             if (field.holder[node.number][k] < 0) mover.step[k] = scene.dt / field.sum[node.number][NF::mass];
-        (mover.stiff < 0 ? node.step : node.stiffStep) += mover.part * mover.part * mover.step;
+        if (mover.stiff >= 0) system.stiffSteps.resize(system.nodes.size(), Vec<Dim>::Zero());
+        (mover.stiff < 0 ? node.step : system.stiffSteps[mover.node]) += mover.part * mover.part * mover.step;
     }
     if (!state.response.nodes.empty()) {
         implicit->place(state.response);

@@ -59,13 +59,15 @@ template <int Dim> class PoreFill {
     struct Cell {
         double saturated = 0, dry = 0, strange = 0;
         double excess = 0, head = 0, permeability = 0, porosity = 0;
-        Vec<Dim> centre = Vec<Dim>::Zero(), lowest, highest; // of its points
         bool isInside = false;
+        Vec<Dim> centre = Vec<Dim>::Zero(); // of its points
     };
     std::vector<WetBody<Dim>> wet;
 
     const Cell& operator[](int number) const { return cells_[number]; }
     const std::vector<int>& touched() const { return touched_; } // cells with anything, by number
+    // Between the points of a cell and those of the next one along an axis, m; where there are several groups.
+    double gap(int cell, int next, int axis) const { return ends_[next][0][axis] - ends_[cell][1][axis]; }
     bool isClosed(const Grid<Dim>& grid, int number) const {
         return cells_[number].strange > fullFrom * grid.volume(number);
     }
@@ -73,6 +75,7 @@ template <int Dim> class PoreFill {
     // isDenser: soil that has less volume lets less water through (Kozeny & Carman).
     void find(const Scene<Dim>& scene, const WaterTable& water, bool isDenser) {
         cells_.resize(scene.grid.count);
+        ends_.resize(scene.grid.fields.size() > 1 ? scene.grid.count : 0);
         for (int number : touched_) cells_[number] = {};
         touched_.clear();
         for (auto& one : wet) addPoints(scene.grid, one, water, isDenser);
@@ -82,8 +85,9 @@ template <int Dim> class PoreFill {
     }
 
   private:
-    std::vector<Cell> cells_;           // of the grid
-    std::vector<int> touched_, sorted_; // sorted_: those of the step before
+    std::vector<Cell> cells_;                   // of the grid
+    std::vector<std::array<Vec<Dim>, 2>> ends_; // of the points in each, m
+    std::vector<int> touched_, sorted_;         // sorted_: those of the step before
 
     // Most steps touch the same cells.
     void sortTouched() {
@@ -139,9 +143,12 @@ template <int Dim> class PoreFill {
                 cell.porosity += volume * one.porosity[p];
                 Vec<Dim> x;
                 for (int k = 0; k < Dim; ++k) x[k] = one.points.position(p, point, k);
-                const bool isFirst = cell.saturated == 0;
-                cell.lowest = isFirst ? x : cell.lowest.cwiseMin(x);
-                cell.highest = isFirst ? x : cell.highest.cwiseMax(x);
+                if (!ends_.empty()) {
+                    auto& [lowest, highest] = ends_[one.cell[point]];
+                    const bool isFirst = cell.saturated == 0;
+                    lowest = isFirst ? x : lowest.cwiseMin(x);
+                    highest = isFirst ? x : highest.cwiseMax(x);
+                }
                 cell.centre += volume * x;
                 cell.saturated += volume;
             }

@@ -23,8 +23,9 @@ template <int Dim> class PoreMatrix {
             makeRoom(system, strides);
             findOthers(system);
         });
-        region.chunks(unknowns_, [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) fillRow(system, c);
+        spreadFlows(region, system);
+        region.chunks(unknowns_, [&](int begin, int) {
+            forRuns(begin, [&](int first, int last) { fillRows(first, last); });
         });
         region.once([&] {
             addFaces(system);
@@ -81,12 +82,17 @@ template <int Dim> class PoreMatrix {
     };
 
     int unknowns_ = 0;
-    int shape_ = -1;                                // of the system that there is room for
-    std::vector<int> place_;                        // of each unknown
-    std::vector<Run> runs_;                         // of unknowns side by side, cut at the ends of chunks
-    std::vector<int> firstRun_;                     // of each chunk, and the end
-    std::array<int, ahead> steps_;                  // to the neighbours beyond
-    std::array<std::vector<double>, ahead> beyond_; // of the matrix, m3/(kPa s)
+    int shape_ = -1;                         // of the system that there is room for
+    std::vector<int> place_;                 // of each unknown
+    std::vector<Run> runs_;                  // of unknowns side by side, cut at the ends of chunks
+    std::vector<int> firstRun_;              // of each chunk, and the end
+    std::array<int, ahead> steps_;           // to the neighbours beyond
+    std::array<int, corners<Dim>> toCorner_; // from a cell to the node at each corner
+    int offset_ = 0;                         // from the number of a node to its place
+    std::array<std::array<std::vector<double>, Dim>, 2>
+        flows_;                                      // of the corners on both sides of each cell, m2
+    std::array<std::vector<double>, Dim> nodeSteps_; // of nodes that are not others, s/Mg
+    std::array<std::vector<double>, ahead> beyond_;  // of the matrix, m3/(kPa s)
     std::vector<double> diagonal_, overDiagonal_, limit_, solution_, residual_, direction_, product_;
     std::vector<int> others_;                // numbers of nodes
     std::vector<int> ofOther_, ofCell_;      // first entry of each, and the end
@@ -120,6 +126,13 @@ template <int Dim> class PoreMatrix {
             runs_.back().last = place_[c] + 1;
         }
         firstRun_.push_back(int(runs_.size()));
+        offset_ = margin - first;
+        for (int a = 0; a < corners<Dim>; ++a) {
+            toCorner_[a] = 0;
+            for (int k = 0; k < Dim; ++k) toCorner_[a] += cornerSign(a, k) > 0 ? strides[k] : 0;
+        }
+        for (int k = 0; k < Dim; ++k)
+            for (auto* one : {&flows_[0][k], &flows_[1][k], &nodeSteps_[k]}) one->assign(size, 0.0);
         coarse_.start(place_, size, first - margin, strides);
         for (auto& one : beyond_) one.assign(size, 0.0);
         for (auto* one :
@@ -131,11 +144,16 @@ template <int Dim> class PoreMatrix {
         for (int i = firstRun_[chunk]; i < firstRun_[chunk + 1]; ++i) f(runs_[i].first, runs_[i].last);
     }
     void spread(const std::vector<double>& values, std::vector<double>& places) const {
-        for (int c = 0; c < unknowns_; ++c) places[place_[c]] = values[c];
+        const double* from = values.data();
+        for (const Run& run : runs_) {
+            std::copy_n(from, run.last - run.first, places.data() + run.first);
+            from += run.last - run.first;
+        }
     }
     void collect(const std::vector<double>& places, std::vector<double>& values) const {
         values.resize(unknowns_);
-        for (int c = 0; c < unknowns_; ++c) values[c] = places[place_[c]];
+        double* to = values.data();
+        for (const Run& run : runs_) to = std::copy(places.data() + run.first, places.data() + run.last, to);
     }
 
     // Nodes that couple more than the cells around them, and what they do to each unknown.
@@ -174,34 +192,50 @@ template <int Dim> class PoreMatrix {
         byOther_.resize(n);
     }
 
-    // In the stencil, from a cell whose corner a is a node to the one of which the node is corner b.
-    using Steps = std::array<std::array<int, corners<Dim>>, corners<Dim>>;
-    static Steps stepsTo() {
-        Steps steps{};
-        for (int a = 0; a < corners<Dim>; ++a)
-            for (int b = 0; b < corners<Dim>; ++b)
-                for (int k = Dim - 1; k >= 0; --k)
-                    steps[a][b] = 3 * steps[a][b] + 1 + (cornerSign(a, k) - cornerSign(b, k)) / 2;
-        return steps;
+    // Number in the stencil of the step from a cell whose corner a is a node to the one of which it is corner b.
+    static int stepTo(int a, int b) {
+        int step = 0;
+        for (int k = Dim - 1; k >= 0; --k) step = 3 * step + 1 + int(cornerSign(a, k) - cornerSign(b, k)) / 2;
+        return step;
     }
-
-    // Of a row what is on the diagonal and beyond, without the others and without flow to the neighbours.
-    void fillRow(const PoreSystem<Dim>& system, int c) {
-        static const Steps stepTo = stepsTo();
-        const auto& cell = system.cells[c];
-        std::array<double, around> row{};
-        for (int a = 0; a < corners<Dim>; ++a) {
-            const auto& node = system.nodes[cell.corner[a]];
-            if (node.isOther) continue;
-            const Vec<Dim> own = system.cornerFlow(c, a).cwiseProduct(node.step);
-            for (int b = 0; b < corners<Dim>; ++b) {
-                const int step = stepTo[a][b];
-                if (step >= ahead && node.cells[b] >= 0)
-                    row[step] += own.dot(system.cornerFlow(node.cells[b], b));
+    // What rows are made of goes to the places in the grid.
+    void spreadFlows(ParallelRegion& region, const PoreSystem<Dim>& system) {
+        region.chunksNoWait(unknowns_, [&](int begin, int end) {
+            for (int c = begin; c < end; ++c) {
+                const int p = place_[c];
+                diagonal_[p] = system.cells[c].storage + system.cells[c].flow;
+                for (int side = 0; side < 2; ++side)
+                    for (int k = 0; k < Dim; ++k) flows_[side][k][p] = system.flows(c)[side][k];
             }
-        }
-        diagonal_[place_[c]] = cell.storage + cell.flow + row[ahead];
-        for (int s = 0; s < ahead; ++s) beyond_[s][place_[c]] = row[ahead + 1 + s];
+        });
+        const int size = int(diagonal_.size());
+        region.chunks(int(system.nodes.size()), [&](int begin, int end) {
+            for (int n = begin; n < end; ++n) {
+                const auto& node = system.nodes[n];
+                const int p = node.number + offset_;
+                if (p < 0 || p >= size) continue; // an other, away from the cells
+                for (int k = 0; k < Dim; ++k) nodeSteps_[k][p] = node.isOther ? 0 : node.step[k];
+            }
+        });
+    }
+    // Of rows what is on the diagonal and beyond, without the others and without flow to the neighbours.
+    void fillRows(int first, int last) {
+        for (auto& one : beyond_) std::fill(one.begin() + first, one.begin() + last, 0.0);
+        for (int a = 0; a < corners<Dim>; ++a)
+            for (int b = 0; b < corners<Dim>; ++b) {
+                const int s = stepTo(a, b) - ahead;
+                if (s < 0) continue;
+                double* const row = s > 0 ? beyond_[s - 1].data() : diagonal_.data();
+                for (int k = 0; k < Dim; ++k)
+                    addRow(row, flows_[cornerSign(a, 0) > 0][k].data(), nodeSteps_[k].data() + toCorner_[a],
+                           flows_[cornerSign(b, 0) > 0][k].data() + (s > 0 ? steps_[s - 1] : 0),
+                           cornerSign(a, k) * cornerSign(b, k), first, last);
+            }
+    }
+    static void addRow(double* row, const double* own, const double* step, const double* other, double sign,
+                       int first, int last) {
+#pragma GCC ivdep
+        for (int p = first; p < last; ++p) row[p] += sign * own[p] * step[p] * other[p];
     }
     // What scales the residual.
     void findDiagonal(ParallelRegion& region, const PoreSystem<Dim>& system) {
@@ -209,8 +243,7 @@ template <int Dim> class PoreMatrix {
             for (int c = begin; c < end; ++c) {
                 double sum = diagonal_[place_[c]];
                 for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) {
-                    const auto& node = system.nodes[others_[byCell_[i].at]];
-                    sum += byCell_[i].flow.cwiseAbs2().dot(node.step + node.stiffStep);
+                    sum += byCell_[i].flow.cwiseAbs2().dot(system.wholeStep(others_[byCell_[i].at]));
                 }
                 overDiagonal_[place_[c]] = 1 / sum;
             }
@@ -228,8 +261,7 @@ template <int Dim> class PoreMatrix {
     void addBlocks(const PoreSystem<Dim>& system) {
         coarse_.clear();
         for (size_t i = 0; i < others_.size(); ++i) {
-            const auto& node = system.nodes[others_[i]];
-            const Vec<Dim> step = node.step + node.stiffStep;
+            const Vec<Dim> step = system.wholeStep(others_[i]);
             for (int j = ofOther_[i]; j < ofOther_[i + 1]; ++j)
                 for (int k = ofOther_[i]; k <= j; ++k)
                     coarse_.add(place_[byOther_[j].at], place_[byOther_[k].at],

@@ -34,10 +34,11 @@ template <int Dim>
 PoreWater::InCell<Dim> PoreWater::inCell(const Scene<Dim>& scene, const State<Dim>& state, int c) const {
     const int number = state.system.cells[c].number;
     const auto& speeds = state.system.speeds[c];
-    const Vec<Dim> edges = scene.grid.edges(number);
-    return {state.fill[number].centre, slopeOf(scene, state, c),
-            scene.grid.centre(scene.grid.indices(number)) - 0.5 * edges, speeds[0],
-            (speeds[1] - speeds[0]).cwiseQuotient(edges)};
+    const Vec<Dim> edges = scene.grid.edges(number), slope = slopeOf(scene, state, c),
+                   lower = scene.grid.centre(scene.grid.indices(number)) - 0.5 * edges,
+                   gain = (speeds[1] - speeds[0]).cwiseQuotient(edges);
+    return {state.excess[c] - slope.dot(state.fill[number].centre), slope,
+            speeds[0] - gain.cwiseProduct(lower), gain};
 }
 
 template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
@@ -49,8 +50,8 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
         double excess = 0;
         const int first = wet.points.at(p), count = wet.points.per(p);
         for (int point = first; point < first + count; ++point) {
-            const int c = state.system.cellAt(wet.cell[point]);
-            excess += state.excess[c] + state.inCells[c].slope.dot(x - state.inCells[c].centre);
+            const auto& in = state.inCells[state.system.cellAt(wet.cell[point])];
+            excess += in.excess + in.slope.dot(x);
         }
         wet.pressure[p] = excess / count + end.pressure<Dim>(x);
         auto& particles = wet.body->particles;
@@ -58,7 +59,7 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
             particles.initialVolume.plane()[p] / particles.mass.plane()[p] * buoyancy(scene, end, x);
         for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = lift[k];
         const auto& in = state.inCells[state.system.cellAt(wet.cell[first])];
-        const Vec<Dim> flow = in.flow + in.gain.cwiseProduct(x - in.lower);
+        const Vec<Dim> flow = in.flow + in.gain.cwiseProduct(x);
         for (int k = 0; k < Dim; ++k) wet.flow[k][p] = flow[k];
     };
     parallel(scene.threads, [&](ParallelRegion& region) {

@@ -50,7 +50,7 @@ template <int Dim> class PoreSolids {
     bool isBetween(const Grid<Dim>& grid, const PoreFill<Dim>& fill, int cell, int axis) const {
         const int next = cell + grid.strides[axis];
         return solidPart(cell) + solidPart(next) > PoreFill<Dim>::fullFrom &&
-               fill[next].lowest[axis] - fill[cell].highest[axis] > grid.edges(cell)[axis];
+               fill.gap(cell, next, axis) > grid.edges(cell)[axis];
     }
     // f(cell, part) for the cells beside one that have a share of its flow; returns its own part. A cell
     // without soil has none to give where it lies inside of a structure, or in the air.

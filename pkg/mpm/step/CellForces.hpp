@@ -18,8 +18,8 @@ class CellForces {
   public:
     // Finds the mean stress in each cell where it has changed since they were located; called by all threads, as what
     // follows.
-    template <int Dim> static void findMeans(ParallelRegion& region, Body<Dim>& body) {
-        const MeanOfStress mean(body.particles.stress);
+    template <int Dim> static void findMeans(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid) {
+        const MeanOfStress<Dim> mean(body.particles.stress, grid);
         body.cellAverage.template average<false>(region, body.particles.volume.plane(), mean,
                                                  [](int, auto&) {});
     }
@@ -33,7 +33,7 @@ class CellForces {
         region.once([&] {
             for (int k = 0; k < axes; ++k) diagonal_[k].resize(n);
         });
-        const MeanOfStress mean(body.particles.stress);
+        const MeanOfStress<Dim> mean(body.particles.stress, grid);
         cells.forEach(region, [&](int c, auto& cell) {
             const bool isShared = cell.shared > 0 && !cell.isOpen;
             const double whole = isShared ? cell.shared : cell.share * cell.whole;

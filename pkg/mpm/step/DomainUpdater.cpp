@@ -59,7 +59,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (!scene.scheme->stressFirst) return;
             region.wait();
             for (auto& body : scene.bodies)
-                if (actsByCells(*body)) CellForces::findMeans(region, *body);
+                if (actsByCells(*body)) CellForces::findMeans(region, *body, scene.grid);
             sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
             if (auto* pressing = scene.template find<PressingOnBoxes>())
                 region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });
@@ -208,7 +208,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 cell.mean = scene.sharedCells->openRate(number, cell.shared, dt, cell.mean, shared);
             cells.give(number, [&](int, int p) { return cell.mean - value[p]; });
         });
-        const MeanOfStress mean(body.particles.stress);
+        const MeanOfStress<Dim> mean(body.particles.stress, scene.grid);
         const auto takeMeans = [&](int begin, int end) {
             for (int p = begin; p < end; ++p) value[p] = mean(p);
         };

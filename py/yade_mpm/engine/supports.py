@@ -174,6 +174,7 @@ class SurfaceLoad(generated["SurfaceLoad"]):
 
 body : Body, or several, whose highest particles make the surface.
 where : (left, right), m; 3D: ((x, y), (x, y)), two corners in plan.
+pressure or traction : one of them, required; 0 for a load that comes later.
 
 A line load is one over a narrow strip; for a load on a point of a body take `Force`. The load acts on what is
 in the strip at the time."""
@@ -193,10 +194,11 @@ in the strip at the time."""
             raise TypeError(
                 f"SurfaceLoad: body = {shown(body)}; give a body, as scene.add returns it, or several"
             )
-        if not {"pressure", "traction"} - set(attributes):
+        given = [name for name in ("pressure", "traction") if np.size(attributes.get(name, ()))]
+        if len(given) != 1:
             raise ValueError(
-                "SurfaceLoad: pressure and traction are given; give one of the two, for a traction may have "
-                "a vertical component, too"
+                f"SurfaceLoad: {'pressure and traction are given' if given else 'the load is missing'}; give "
+                "pressure or traction, kPa; a traction may have a vertical component, too"
             )
         scene = bodies[0].scene
         numbers = [k for one in bodies for k, other in enumerate(scene.bodies) if other is one]

@@ -45,8 +45,8 @@ def groundStress(
     ----------
     K0 : coefficient at rest, -: a number; "jaky", 1 - sin phi of the material (Jaky 1944); a function of the
         coordinates (arrays) of the particles; or a dict body -> one of these.
-    OCR : overconsolidation ratio, -, for "jaky": K0 = (1 - sin phi) OCR^(sin phi) (Mayne & Kulhawy 1982); a
-        number, a function of the coordinates, or a dict body -> one of these; default 1.
+    OCR : overconsolidation ratio, -, at least 1, for "jaky": K0 = (1 - sin phi) OCR^(sin phi) (Mayne &
+        Kulhawy 1982); a number, a function of the coordinates, or a dict body -> one of these; default 1.
     bodies : the ground; default None: all bodies that yield.
     gravity : m/s2; default that of the scene, 9.81 where it has none yet.
     water : m, height of the water table; default None: none. There are no pore pressures: below it the weight
@@ -118,17 +118,17 @@ def _of(given, body):
     raise ValueError(f"groundStress: nothing is given for '{body.name}'; give a value for each layer")
 
 
-def _values(name, given, body):
-    """A number for each particle."""
+def _values(name, given, body, least=0.0):
+    """A number for each particle, `least` or more."""
     try:
         value = given(*body.position.T) if callable(given) else given
         values = np.broadcast_to(floats(value), body.count)
     except (TypeError, ValueError):
         values = np.full(1, np.nan)
-    if not (np.isfinite(values).all() and (values >= 0).all()):
+    if not (np.isfinite(values).all() and (values >= least).all()):
         raise ValueError(
-            f"groundStress: {name} = {shown(given)} of '{body.name}' is not allowed; give zero or a positive "
-            "number, or a function of the coordinates that returns such numbers"
+            f"groundStress: {name} = {shown(given)} of '{body.name}' is not allowed; give a number of at "
+            f"least {least:g}, or a function of the coordinates that returns such numbers"
         )
     return values
 
@@ -152,7 +152,7 @@ def _coefficient(body, K0, OCR):
             f"groundStress: K0 = 'jaky' needs one frictionAngle, which the material of '{body.name}' does "
             "not have; give a number or a function"
         )
-    return (1 - np.sin(phi)) * _values("OCR", _of(OCR, body), body) ** np.sin(phi)
+    return (1 - np.sin(phi)) * _values("OCR", _of(OCR, body), body, least=1.0) ** np.sin(phi)
 
 
 def _wet(ground, water, weightBelow, gravity):

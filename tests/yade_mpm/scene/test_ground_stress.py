@@ -139,6 +139,8 @@ def test_a_refused_weight_changes_no_mass():
     ("nothing is given for 'upper'", lambda: layers()[0].groundStress(K0={"lower": 0.5})),
     ("OCR of 'lower' has no meaning beside K0 = 0.5", lambda: layers()[0].groundStress(K0=0.5, OCR=4.0)),
     ("OCR = 'high' of 'lower'", lambda: layers()[0].groundStress(K0="jaky", OCR="high")),
+    ("OCR = 0 of 'lower' ... at least 1", lambda: layers()[0].groundStress(K0="jaky", OCR=0)),
+    ("OCR = 0.99 of 'lower' ... at least 1", lambda: layers()[0].groundStress(K0="jaky", OCR=0.99)),
     ("weightBelow = None of 'lower'", lambda: layers()[0].groundStress(K0=0.5, water=3)),
     ("groundStress: no body of the scene yields", lambda: emptyScene().groundStress(K0=0.5)),
     ("groundStress: gravity", lambda: layers()[0].groundStress(K0=0.5, gravity="g")),

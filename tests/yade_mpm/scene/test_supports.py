@@ -314,6 +314,8 @@ def removed():
         "SurfaceLoad: pressure and traction",
         attached(lambda b: mpm.SurfaceLoad(b, (1, 2), pressure=1, traction=(1, 0))),
     ),
+    ("SurfaceLoad: the load is missing; give pressure", attached(lambda b: mpm.SurfaceLoad(b, (1, 2)))),
+    ("SurfaceLoad: the load", attached(lambda b: mpm.SurfaceLoad(b, (1, 2), traction=()))),
     ("Force ... another scene", elsewhere),
     ("'other': remove: Spring 'a' acts on particles there", removedGround),
     ("SurfaceLoad: body", attached(lambda b: mpm.SurfaceLoad("soil", (1, 2), pressure=1)), TypeError),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A law whose stress a Python function finds, for all particles of a body in one call.
 #include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/stiffening.hpp"
 #include "python.hpp"
 
 #include <iterator>
@@ -55,7 +56,7 @@ template <class F> void withPython(const std::string& who, F&& f) {
     }
 }
 
-class PythonLaw : public MaterialOf<PythonLaw> {
+class PythonLaw : public StiffeningOf<PythonLaw> {
   public:
     std::string className() const override { return "PythonLaw"; }
     std::string doc() const override {
@@ -71,7 +72,8 @@ class PythonLaw : public MaterialOf<PythonLaw> {
 The function gets points.strain, the strain increments (6, N) with tensorial shear, points.rotation (3, 3, N), .dt,
 .time, .step, .id, .position (dim, N), .volumeRatio, and .state, a dict of arrays (N,) to be changed in place. Strain and
 rotation are those of the midpoint (Hughes & Winget). The elastic constants are for the critical step and hourglass
-control: not below the law's stiffness. A call costs 0.5 to 1.5 us a particle. A function is not stored in checkpoints:
+control: not below the law's stiffness. With pressureExponent they follow the pressure, and points.stiffening (N,) is what
+the law multiplies its own by. A call costs 0.5 to 1.5 us a particle. A function is not stored in checkpoints:
 set material.law again after mpm.load.
 
 Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
@@ -81,6 +83,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
             {"law", "", "required: the function; as an attribute, its name", &law_},
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         all.push_back(
             {"states", "", "initial values of the state variables, or a dict name -> value", &states_});
         all.push_back(
@@ -106,7 +109,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
     }
     bool yields() const override { return yields_; }
     bool takesWholeBody() const override { return true; }
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
     void stateFromStress(const double*, double*) const override {}
 
     // function(count, numbers, planes): see yade_mpm/material/pythonLaw.py.
@@ -135,7 +138,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
                                    "' is not stored in checkpoints; give it by "
                                    "body.material.law = ",
                                    law_));
-        Shared stress(6, n), strain(6, n), rotation(9, n), state(states, n), where(Dim + 2, n);
+        Shared stress(6, n), strain(6, n), rotation(9, n), state(states, n), where(Dim + 3, n);
         for (int i = 0; i < n; ++i) {
             const Increment step = incrementOf(points, i);
             const Tensor& R = step.rotation;
@@ -148,6 +151,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
             for (int c = 0; c < 9; ++c) rotation.plane(c)[i] = all[c];
             where.plane(Dim)[i] = points.volume[i] / points.initialVolume[i];
             where.plane(Dim + 1)[i] = double(points.id[i]);
+            where.plane(Dim + 2)[i] = factorOf(points, i);
         }
         for (int k = 0; k < Dim; ++k) std::copy_n(points.position[k], n, where.plane(k));
         for (int k = 0; k < states; ++k) std::copy_n(points.state[k], n, state.plane(k));

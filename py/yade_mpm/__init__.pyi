@@ -239,6 +239,9 @@ class HerschelBulkley(Material):
     bulk: float | None
     shearModulus: float | None
     tensileStrength: float
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     def __init__(
         self,
         *,
@@ -249,6 +252,9 @@ class HerschelBulkley(Material):
         bulk: float | None = None,
         shearModulus: float | None = None,
         tensileStrength: float = 0.0,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
     ) -> None: ...
 
 
@@ -272,6 +278,9 @@ class LinearElastic(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     def __init__(
         self,
         *,
@@ -279,6 +288,9 @@ class LinearElastic(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
     ) -> None: ...
 
 
@@ -440,6 +452,9 @@ class MuI(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     staticFriction: float | None
     fastFriction: float | None
     inertialNumber: float
@@ -452,6 +467,9 @@ class MuI(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
         staticFriction: float | None = None,
         fastFriction: float | None = None,
         inertialNumber: float = 0.279,
@@ -467,6 +485,9 @@ class NeoHookean(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     def __init__(
         self,
         *,
@@ -474,6 +495,9 @@ class NeoHookean(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
     ) -> None: ...
 
 
@@ -485,6 +509,9 @@ class NewtonianLiquid(Material):
     bulk: float | None
     shearModulus: float | None
     tensileStrength: float
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     def __init__(
         self,
         *,
@@ -493,6 +520,9 @@ class NewtonianLiquid(Material):
         bulk: float | None = None,
         shearModulus: float | None = None,
         tensileStrength: float = 0.0,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
     ) -> None: ...
 
 
@@ -618,6 +648,9 @@ class PythonLaw(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     states: float | Sequence[float]
     stateNames: str
     yields: bool
@@ -629,6 +662,9 @@ class PythonLaw(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
         states: float | Sequence[float] = (),
         stateNames: str = '',
         yields: bool = True,

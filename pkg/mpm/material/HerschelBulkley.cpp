@@ -31,6 +31,7 @@ Adv. Appl. Mech. 9, 243-377 (rate of the stress beyond yield).)";
             {"flowIndex", "-", "exponent n of the rate; 1: Bingham, below 1: thinner when sheared faster",
              &n_, Range{0.1, 2, false, false}}};
         for (auto& p : liquid_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override {
@@ -39,6 +40,7 @@ Adv. Appl. Mech. 9, 243-377 (rate of the stress beyond yield).)";
         require(!std::isnan(consistency_), className(), ": consistency is required; give it in kPa s^n");
     }
 
+    void setModuli(double lambda, double mu) { liquid_.set(lambda, mu); }
     std::array<double, 2> elastic() const { return liquid_.elastic(); }
     double most() const { return liquid_.tension; }
     double strengthAt(double) const { return yield_; }

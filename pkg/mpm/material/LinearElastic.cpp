@@ -3,6 +3,7 @@
 #include "mpm/material/Material.hpp"
 #include "mpm/material/logarithm.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/stiffening.hpp"
 #include "mpm/material/tensors.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -44,7 +45,7 @@ Mat<3> exponentialMinusIdentity(const Mat<3>& a) {
 }
 
 // The state is e = b - I and not b itself: with b the last digit of 1 is the last digit of the strain.
-class LinearElastic : public MaterialOf<LinearElastic> {
+class LinearElastic : public StiffeningOf<LinearElastic> {
   public:
     std::string className() const override { return "LinearElastic"; }
     std::string doc() const override {
@@ -54,14 +55,18 @@ class LinearElastic : public MaterialOf<LinearElastic> {
     eps = 1/2 ln(b),  tau = lambda tr(eps) I + 2 mu eps,  sigma = tau / J
 
 b is the elastic left Cauchy-Green tensor; J is the ratio of current to initial domain volume. An initial
-stress is the elastic strain from an unstressed state, while J counts from the initial one.
+stress is the elastic strain from an unstressed state, while J counts from the initial one. With pressureExponent the
+moduli are those at P = sqrt(p^2 + (K/mu) J2) of the Kirchhoff stress: they derive from an energy, and grow in tension and
+shear, too.
 
-Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computational Inelasticity, ch. 9.)";
+Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computational Inelasticity, ch. 9; Houlsby, Amorosi
+& Rojas 2005, Geotechnique 55, 383-392 (moduli of the pressure with an energy).)";
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override {
@@ -76,12 +81,14 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
         return all;
     }
     static constexpr bool takesHoopRate = true;
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    static constexpr bool hasPotential = true;
 
     void stateFromStress(const double stress[9], double* state) const override {
+        const double factor = secantAt(stress);
         Mat<3> tau;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) tau(i, j) = stress[3 * std::min(i, j) + std::max(i, j)];
+            for (int j = 0; j < 3; ++j) tau(i, j) = stress[3 * std::min(i, j) + std::max(i, j)] / factor;
         const double volumetric = tau.trace() / (3 * elasticity_.bulk());
         const Mat<3> eps =
             (tau - elasticity_.lambda() * volumetric * Mat<3>::Identity()) / (2 * elasticity_.mu());
@@ -89,13 +96,17 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
         for (int k = 0; k < 6; ++k) state[k] = e(row[k], column[k]);
     }
 
-    // That of the Kirchhoff stress, by the initial volume.
-    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
-        MaterialOf::findStoredEnergy(points, energy);
-        for (int p = 0; p < points.count; ++p) energy[p] *= points.volume[p] / points.initialVolume[p];
+    // p^2/(2 K) + J2/(2 mu) of the Kirchhoff stress.
+    template <int Dim> void linearEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
+        for (int p = 0; p < points.count; ++p) {
+            const auto [mean, J2] = invariants(points, p);
+            energy[p] = 0.5 * mean * mean / (lambda + 2.0 / 3 * mu) + (J2 > 0 ? 0.5 * J2 / mu : 0);
+            energy[p] *= points.volume[p] / points.initialVolume[p];
+        }
     }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
         stretch(points);
         stressOfStretch(points);
     }

@@ -3,10 +3,10 @@
 #include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
-#include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
 #include "mpm/material/required.hpp"
 #include "mpm/material/spareStrength.hpp"
+#include "mpm/material/stiffening.hpp"
 
 namespace mpm {
 namespace {
@@ -25,8 +25,9 @@ struct Surface {
     double slope(double both) const { return 4 * lambda * sinPhi * sinPsi + 2 * mu * both; }
 
     // From a trial stress beyond the surface back along D : dg/ds. To a plane, else to the edge where two meet (s1 = s2
-    // or s2 = s3), else to the apex.
-    void returnTo(double s[3]) const {
+    // or s2 = s3), else to the apex. Inline always: what is fused of its differences of products, hence the last digit, hangs
+    // on it.
+    MPM_INLINE void returnTo(double s[3]) const {
         const double trial[] = {s[0], s[1], s[2]}, f = yield(s[0], s[2]);
         flow(s, f / slope(2 * (1 + sinPhi * sinPsi)), 0, 2);
         if (s[0] >= s[1] && s[1] >= s[2]) return;
@@ -55,7 +56,7 @@ struct Surface {
     }
 };
 
-class MohrCoulomb : public MaterialOf<MohrCoulomb> {
+class MohrCoulomb : public StiffeningOf<MohrCoulomb> {
   public:
     std::string className() const override { return "MohrCoulomb"; }
     std::string doc() const override {
@@ -108,26 +109,26 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     bool yields() const override { return true; }
     NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
-    std::array<double, 2> lame() const override {
-        const double factor = pressure_.factor(0);
-        return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
-    }
+    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         std::fill_n(state, ofStrength, 0.0);
         if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
     }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        pressure_.forEach(int(stateVariables().size()), points,
-                          [&](double factor, const auto& its) { advance(factor, its); });
-    }
-    template <int Dim>
-    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
-        pressure_.find({elasticity_.lambda(), elasticity_.mu()}, points, lambda, mu);
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
+        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
+        const std::vector<Surface> surfaces = surfacesOf(points);
+        if (opens() && closing_.value_or(points.hasFbar)) {
+            const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
+            closeUp(elasticity_.bulk(), most, points);
+            openUp(elasticity_.bulk(), most, points);
+        }
+        for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        const std::vector<Surface> surfaces = surfacesOf(1, points);
+        const std::vector<Surface> surfaces = surfacesOf(points);
         for (int i = 0; i < points.count; ++i) {
             const auto [p, J2] = invariants(points, i);
             const double cohesion = 0.5 * surfaces[i].twiceCCosPhi;
@@ -139,18 +140,6 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
   private:
     static constexpr int ofStrength = 3; // first state variable of the strength
 
-    // factor: on the elastic moduli.
-    template <int Dim> void advance(double factor, const MaterialPoints<Dim>& points) const {
-        trialStress(factor * elasticity_.lambda(), factor * elasticity_.mu(), points);
-        const std::vector<Surface> surfaces = surfacesOf(factor, points);
-        if (opens() && closing_.value_or(points.hasFbar)) {
-            const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
-            closeUp(factor * elasticity_.bulk(), most, points);
-            openUp(factor * elasticity_.bulk(), most, points);
-        }
-        for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
-    }
-
     bool opens() const {
         const bool isBounded =
             !strength_.isUniform() || strength_.frictionAngle > 0 || !std::isnan(tensileStrength_);
@@ -158,15 +147,11 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
     double cutOff() const { return std::isnan(tensileStrength_) ? unbounded : tensileStrength_; }
 
-    template <int Dim>
-    std::vector<Surface> surfacesOf(double factor, const MaterialPoints<Dim>& points) const {
+    template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
         const auto surface = [&](double c, double phi, double psi) {
-            return Surface{factor * elasticity_.lambda(),
-                           factor * elasticity_.mu(),
-                           std::sin(phi),
-                           std::sin(psi),
-                           2 * c * std::cos(phi),
-                           phi > 0 ? c / std::tan(phi) : unbounded};
+            return Surface{elasticity_.lambda(),  elasticity_.mu(),
+                           std::sin(phi),         std::sin(psi),
+                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : unbounded};
         };
         if (strength_.isUniform())
             return std::vector<Surface>(
@@ -196,7 +181,6 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
 
     Elasticity elasticity_;
-    PressureDependence pressure_;
     Strength strength_;
     double tensileStrength_ = notGiven;
     std::optional<bool> closing_; // not given: where there is F-bar

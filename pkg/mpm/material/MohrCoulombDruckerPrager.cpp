@@ -5,9 +5,9 @@
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/lode.hpp"
 #include "mpm/material/opening.hpp"
-#include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/required.hpp"
 #include "mpm/material/spareStrength.hpp"
+#include "mpm/material/stiffening.hpp"
 
 #include <limits>
 
@@ -149,7 +149,7 @@ void returnToYield(const Constants& constants, const Cones& cones, const Materia
     }
 }
 
-class MohrCoulombDruckerPrager : public MaterialOf<MohrCoulombDruckerPrager> {
+class MohrCoulombDruckerPrager : public StiffeningOf<MohrCoulombDruckerPrager> {
   public:
     std::string className() const override { return "MohrCoulombDruckerPrager"; }
     std::string doc() const override {
@@ -221,41 +221,16 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     bool yields() const override { return true; }
     NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength()); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
-    std::array<double, 2> lame() const override {
-        const double factor = pressure_.factor(0);
-        return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
-    }
-
+    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         std::fill_n(state, ofStrength(), 0.0);
         if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
     }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        if (!pressure_.isGiven()) return advance(constants_, points);
-        pressure_.forEach(int(stateVariables().size()), points, [&](double factor, const auto& its) {
-            advance(constants_.withModuli(factor * constants_.lambda, factor * constants_.mu), its);
-        });
-    }
-    template <int Dim>
-    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
-        pressure_.find({elasticity_.lambda(), elasticity_.mu()}, points, lambda, mu);
-    }
-
-    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        StrengthRun run(points.count);
-        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
-        for (int i = 0; i < points.count; ++i) {
-            const auto [p, J2] = invariants(points, i);
-            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
-            const double atPressure = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
-            strength[i] = spareStrength(atPressure, cone.cCosPhi, std::sqrt(J2));
-        }
-    }
-
-  private:
-    template <int Dim> void advance(const Constants& constants, const MaterialPoints<Dim>& points) const {
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
+        const Constants constants = constants_.withModuli(elasticity_.lambda(), elasticity_.mu());
         trialStress(constants.lambda, constants.mu, points);
         if (strength_.isUniform()) return finishStress(constants, OneCone{cone_}, points);
         StrengthRun run(points.count);
@@ -271,6 +246,19 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         finishStress(constants, ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}},
                      points);
     }
+
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
+        for (int i = 0; i < points.count; ++i) {
+            const auto [p, J2] = invariants(points, i);
+            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            const double atPressure = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
+            strength[i] = spareStrength(atPressure, cone.cCosPhi, std::sqrt(J2));
+        }
+    }
+
+  private:
     bool opens() const { return closing_.value_or(true) && !std::isinf(mostMeanStress()); }
     bool closes(bool hasFbar) const { return opens() && closing_.value_or(hasFbar); }
     int ofStrength() const { return closing_.value_or(true) ? 3 : 2; } // first state variable of the strength
@@ -303,7 +291,6 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     double limitOfDilatancy() const;
 
     Elasticity elasticity_;
-    PressureDependence pressure_;
     Strength strength_;
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;

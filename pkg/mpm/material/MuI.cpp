@@ -26,6 +26,7 @@ Source: Jop, Forterre & Pouliquen 2006, Nature 441, 727-730; GDR MiDi 2004, Eur.
         std::vector<Parameter> all{{"density", "Mg/m3", "required: mass density of grains and voids, initial",
                                     &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         for (auto& p : std::vector<Parameter>{
                  {"staticFriction", "-", "required: friction coefficient mu_s of grains that begin to flow",
                   &static_, Range::positive()},
@@ -48,6 +49,7 @@ Source: Jop, Forterre & Pouliquen 2006, Nature 441, 727-730; GDR MiDi 2004, Eur.
                 "; friction grows with the rate: give at least that");
     }
 
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     std::array<double, 2> elastic() const { return {elasticity_.bulk(), elasticity_.mu()}; }
     double most() const { return 0; }
     double strengthAt(double pressure) const { return static_ * std::max(pressure, 0.0); }

@@ -3,6 +3,7 @@
 #include "mpm/material/Material.hpp"
 #include "mpm/material/logarithm.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/stiffening.hpp"
 #include "mpm/material/tensors.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace mpm {
 namespace {
 
-class NeoHookean : public MaterialOf<NeoHookean> {
+class NeoHookean : public StiffeningOf<NeoHookean> {
   public:
     std::string className() const override { return "NeoHookean"; }
     std::string doc() const override {
@@ -20,7 +21,8 @@ class NeoHookean : public MaterialOf<NeoHookean> {
 
 J is taken from F and not from the domain volume, so that the stress derives from one strain energy; under
 rotation the polygon volume of an APDI domain differs from it by O(dt). The stress is zero at F = I: there
-is no initial stress.
+is no initial stress. With pressureExponent the moduli are those at P = sqrt(2 K W), W the energy with constant moduli, of
+which the stress then derives, too.
 
 Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
     }
@@ -28,13 +30,15 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override {
         requireDensity(className(), density);
         elasticity_.finish(className());
     }
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    static constexpr bool hasPotential = true;
 
     void stateFromStress(const double stress[9], double*) const override {
         require(std::all_of(stress, stress + 9, [](double s) { return s == 0; }), className(),
@@ -43,7 +47,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
     }
 
     // [mu (tr(F F^T) - 3)/2 - mu ln J + lambda (ln J)^2/2]/J
-    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+    template <int Dim> void linearEnergy(const MaterialPoints<Dim>& points, double* energy) const {
         const auto F = planes<9>(points.deformationGradient);
         for (int p = 0; p < points.count; ++p) {
             Tensor H{F[0][p] - 1, F[1][p], 0, F[3][p], F[4][p] - 1, 0, 0, 0, 0};
@@ -57,7 +61,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
         }
     }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
         if constexpr (Dim == 2)
             planeStrain(points);
         else

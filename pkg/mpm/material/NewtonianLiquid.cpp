@@ -27,10 +27,12 @@ Source: Maxwell 1867, Phil. Trans. R. Soc. 157, 49-88 (spring and dashpot in ser
             {"viscosity", "kPa s", "dynamic viscosity eta; water has 1e-6", &viscosity_,
              Range::notNegative()}};
         for (auto& p : liquid_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override { liquid_.check(className(), density); }
 
+    void setModuli(double lambda, double mu) { liquid_.set(lambda, mu); }
     std::array<double, 2> elastic() const { return liquid_.elastic(); }
     double most() const { return liquid_.tension; }
     double strengthAt(double) const { return 0; }

@@ -3,9 +3,9 @@
 // and rises with the rate of shear.
 #include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
-#include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
 #include "mpm/material/required.hpp"
+#include "mpm/material/stiffening.hpp"
 
 namespace mpm {
 namespace {
@@ -26,7 +26,7 @@ inline double shearRate(const MaterialPoints<3>& points, int i) {
     return 2 * q * (lode.cosine - lode.correction);
 }
 
-class Tresca : public MaterialOf<Tresca> {
+class Tresca : public StiffeningOf<Tresca> {
   public:
     std::string className() const override { return "Tresca"; }
     std::string doc() const override {
@@ -38,8 +38,8 @@ class Tresca : public MaterialOf<Tresca> {
 su_0 is the undrainedStrength of a particle as it was placed: a number, a function of position, a profile or an
 array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3 (with
 softeningLength a mean over neighbours); m the rateFactor for each factor of ten of the rate of shear d1 - d3.
-Stress is total; the volume changes elastically (give poisson = 0.49). With rigidity in place of young,
-mu = rigidity su_0 of each particle. The return to the hexagon is exact, edges included. With pressureExponent the elastic moduli follow the total mean pressure.
+Stress is total, also in pressureExponent; the volume changes elastically (give poisson = 0.49). With rigidity in place of young,
+mu = rigidity su_0 of each particle. The return to the hexagon is exact, edges included.
 
 Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
 173-182.)";
@@ -99,19 +99,18 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     static constexpr bool takesHoopRate = true;
     bool yields() const override { return true; }
     // Of varying strength without a particle: no stiffness.
-    std::array<double, 2> lame() const override {
-        return lameAt(std::isnan(strength_) ? 0 : strength_, pressure_.factor(0));
-    }
+    std::array<double, 2> moduli() const { return moduliAt(std::isnan(strength_) ? 0 : strength_); }
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         state[0] = 0;
         if (neighbourMean().length > 0) state[2] = 0;
     }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
         std::vector<double> lambda(points.count), mu(points.count);
         findStiffness(points, lambda.data(), mu.data());
-        if (isRigid() || pressure_.isGiven())
+        if (isRigid())
             trialStress(lambda.data(), mu.data(), points);
         else
             trialStress(elasticity_.lambda(), elasticity_.mu(), points);
@@ -137,8 +136,9 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
     template <int Dim>
     void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        if (!isRigid()) return StiffeningOf::findStiffness(points, lambda, mu);
         for (int i = 0; i < points.count; ++i) {
-            const auto its = lameAt(points.state[1][i], pressure_.factor(invariants(points, i).mean));
+            const auto its = moduliAt(points.state[1][i]);
             lambda[i] = its[0];
             mu[i] = its[1];
         }
@@ -159,9 +159,9 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         require(!std::isnan(elasticity_.poisson), who, ": rigidity = ", rigidity_,
                 " is given without poisson; give both, e.g. poisson = 0.49");
     }
-    // Of particles with the strength su_0; factor: by the pressure.
-    std::array<double, 2> lameAt(double strength, double factor) const {
-        if (!isRigid()) return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
+    // Of particles with the strength su_0.
+    std::array<double, 2> moduliAt(double strength) const {
+        if (!isRigid()) return {elasticity_.lambda(), elasticity_.mu()};
         const double mu = rigidity_ * strength, nu = elasticity_.poisson;
         return {2 * mu * nu / (1 - 2 * nu), mu};
     }
@@ -176,7 +176,6 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
 
     Elasticity elasticity_;
-    PressureDependence pressure_;
     double rigidity_ = notGiven, strength_ = notGiven, remouldedRatio_ = notGiven, rateFactor_ = 0,
            referenceRate_ = notGiven;
     Softening softening_;

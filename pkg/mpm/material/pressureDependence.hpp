@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// An option of laws with constant elastic moduli: E = E_ref (p/p_ref)^m, of the pressure at the start of a step. A run is
-// then treated particle by particle, each with moduli of its own.
+// Elastic moduli over the pressure: E = E_ref (p/p_ref)^m. Strain and pressure are positive in compression here.
 #pragma once
 
-#include "mpm/material/Material.hpp"
+#include "mpm/base/parameters.hpp"
+#include "mpm/material/pressureStiffness.hpp"
 
 namespace mpm {
 
@@ -22,26 +22,37 @@ class PressureDependence {
             {"smallestPressure", "kPa", "mean pressure below which the moduli stay, with pressureExponent",
              &smallest, Range::positive()}};
     }
-    // What the moduli are multiplied by at a mean stress.
-    double factor(double mean) const {
-        return isGiven() ? std::pow(std::max(-mean, smallest) / reference, exponent) : 1;
-    }
-    template <int Dim>
-    void find(const std::array<double, 2>& lame, const MaterialPoints<Dim>& points, double* lambda,
-              double* mu) const {
-        for (int i = 0; i < points.count; ++i) {
-            const double its = factor(invariants(points, i).mean);
-            lambda[i] = its * lame[0];
-            mu[i] = its * lame[1];
+
+    // What the moduli are multiplied by at a pressure.
+    double tangent(double p) const { return of(1).stiffness(p); }
+    // The same, of a step from the pressure p with the elastic strain e: exactly what the pressure gains over bulk e, so
+    // that it comes back along the same strains.
+    double overStep(double bulk, double p, double e) const {
+        const PressureStiffness law = of(bulk);
+        if (e == 0) return tangent(p);
+        if (p <= smallest && law.strain(p) + e <= 0) return tangent(0);
+        const double power = 1 - exponent, gain = law.stiffness(p) * e / p;
+        if (p > smallest && power * gain > -1) {
+            const double grown = std::expm1(power == 0 ? gain : std::log1p(power * gain) / power);
+            if (p * (1 + grown) >= smallest) return p * grown / (bulk * e);
         }
+        return (law.pull(law.strain(p) + e) - p) / (bulk * e);
     }
-    // f(factor, points) for all at once where the moduli are constant, else for each particle.
-    template <int Dim, class F> void forEach(int states, const MaterialPoints<Dim>& points, F&& f) const {
-        if (!isGiven()) return f(1.0, points);
-        std::vector<double*> planes(states);
-        for (int i = 0; i < points.count; ++i)
-            f(factor(invariants(points, i).mean), points.part(i, i + 1, planes));
+
+    // Of a law with a potential W of the strain, that with its moduli constant gives the pressure P_0 = sqrt(2 K W): the
+    // pressure on the same strain. It is a size of the stress, P^2 = p^2 + K/mu J2 of a linear law.
+    double pressure(double bulk, double linear) const {
+        const PressureStiffness law = of(bulk);
+        return law.pull(linear / bulk - smallest / law.stiffness(smallest));
     }
+    double linear(double bulk, double pressure) const {
+        const PressureStiffness law = of(bulk);
+        return bulk * (law.strain(pressure) + smallest / law.stiffness(smallest));
+    }
+    double energy(double bulk, double p) const { return of(bulk).energy(p); } // the integral of p dp/K
+
+  private:
+    PressureStiffness of(double bulk) const { return {bulk, reference, exponent, smallest}; }
 };
 
 } // namespace mpm

@@ -24,7 +24,8 @@ struct PressureStiffness {
         return smallest * std::pow(1 + (1 - power) * atSmallest / smallest * e, 1 / (1 - power));
     }
     double energy(double p) const { // the integral of p dp/K
-        return p * p / ((p > smallest ? 2 - power : 2) * stiffness(p));
+        const double least = std::min(p, smallest), atLeast = least * least / stiffness(least);
+        return 0.5 * atLeast + (p * p / stiffness(p) - atLeast) / (2 - power);
     }
     double strain(double p) const {
         const double atSmallest = stiffness(smallest);

@@ -8,6 +8,7 @@
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/spareStrength.hpp"
+#include "mpm/material/stiffening.hpp"
 
 namespace mpm {
 
@@ -42,7 +43,7 @@ void flowFrom(double bulk, double mu, double most, const MaterialPoints<Dim>& po
 
 // What the flowing laws have in common. Derived has elastic() = {bulk, mu}, most(), the highest mean stress,
 // flow(points): from the trial stress to the stress, and strengthAt(pressure) of matter at rest.
-template <class Derived> class ViscousOf : public MaterialOf<Derived> {
+template <class Derived> class ViscousOf : public StiffeningOf<Derived> {
   public:
     std::vector<StateVariable> stateVariables() const override {
         return {{"plasticShearStrain", "-", "accumulated shear strain of the flow, sum of sqrt(2/3 de:de)"},
@@ -51,10 +52,10 @@ template <class Derived> class ViscousOf : public MaterialOf<Derived> {
     }
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, std::isinf(self().most()) ? -1 : 2}; }
-    std::array<double, 2> lame() const override { return {bulk() - 2 * mu() / 3, mu()}; }
+    std::array<double, 2> moduli() const { return {bulk() - 2 * mu() / 3, mu()}; }
     void stateFromStress(const double*, double* state) const override { std::fill_n(state, 3, 0.0); }
 
-    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
         trialStress(bulk() - 2 * mu() / 3, mu(), points);
         if (volumeRecord().opening >= 0 && points.hasFbar) {
             const auto most = [limit = self().most()](int) { return limit; };

@@ -57,7 +57,8 @@ class LawPoints:
     stress, strain : (6, N), xx, yy, zz, xy, xz, yz: stress at the start of the step, kPa, and strain
         increment with tensorial shear, both in the axes at its end.
     rotation : (3, 3, N) in the step. state : dict name -> (N,), to be changed in place.
-    position : (dim, N), m. volumeRatio : (N,), V/V0. id : (N,).
+    position : (dim, N), m. volumeRatio : (N,), V/V0. id : (N,). stiffening : (N,), factor on the moduli in
+        the step, with pressureExponent; else 1.
     dt, time : s, time at the start of the step. step : its number. body : name.
     """
 
@@ -65,7 +66,7 @@ class LawPoints:
         self.dt, self.time, self.step, self.body = clock
         self.stress, self.strain, self.rotation = stress, strain, rotation.reshape(3, 3, count)
         self.state = dict(state)
-        *position, self.volumeRatio, number = where
+        *position, self.volumeRatio, number, self.stiffening = where
         self.position, self.id = np.array(position), number.astype(int)
 
 

@@ -200,7 +200,7 @@ def followsStress(material):
     try:
         free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
     except ValueError:  # its stress follows from F alone, and so does its stiffness
-        return False
+        return material.attributes().get("pressureExponent", 0) != 0
     except RuntimeError:  # a routine from elsewhere that fails at these stresses
         return True
     return free != pressed

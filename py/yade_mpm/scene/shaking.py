@@ -170,7 +170,7 @@ def moduliBehind(call, material, missing):
     """Moduli of waves of pressure and of shear, kPa. missing : what to say where they are no numbers."""
     if not isinstance(material, Material):
         raise TypeError(f"{call}: behind = {shown(material)}; give a material, e.g. mpm.LinearElastic(...)")
-    if not getattr(material, "lame", None):
+    if not getattr(material, "lame", None) or material.attributes().get("pressureExponent"):
         raise ValueError(f"{call}: {missing}")
     first, second = material.lame
     return first + 2 * second, second

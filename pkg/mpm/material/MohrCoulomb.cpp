@@ -25,8 +25,7 @@ struct Surface {
     double slope(double both) const { return 4 * lambda * sinPhi * sinPsi + 2 * mu * both; }
 
     // From a trial stress beyond the surface back along D : dg/ds. To a plane, else to the edge where two meet (s1 = s2
-    // or s2 = s3), else to the apex. Inline always: what is fused of its differences of products, hence the last digit, hangs
-    // on it.
+    // or s2 = s3), else to the apex. Inline always: which of its products are fused, hence the last digit, hangs on it.
     MPM_INLINE void returnTo(double s[3]) const {
         const double trial[] = {s[0], s[1], s[2]}, f = yield(s[0], s[2]);
         flow(s, f / slope(2 * (1 + sinPhi * sinPsi)), 0, 2);

@@ -142,6 +142,20 @@ def testRandomPathsStoreAllWork(law):
         assert stored(point) - before == pytest.approx(work, abs=1e-5 * max(abs(work), before))
 
 
+@pytest.mark.parametrize("name", ["LinearElastic", "MohrCoulomb", "MuI"])
+def testUnitsOfStressDoNotMatter(name):
+    more = {"MohrCoulomb": dict(frictionAngle=0.5), "MuI": dict(staticFriction=0.5, fastFriction=0.5)}
+    found = []
+    for kPa in (1.0, 1000.0):  # the second in Pa
+        given = dict(density=2.0 * kPa, young=3e4 * kPa, poisson=0.25, pressureExponent=0.5)
+        given |= dict(referencePressure=50 * kPa, smallestPressure=2 * kPa, **more.get(name, {}))
+        given |= {"MohrCoulomb": dict(cohesion=3 * kPa), "MuI": dict(grainSize=0.01)}.get(name, {})
+        point = mpm.MaterialPoint(getattr(mpm, name)(**given), -20 * kPa * np.eye(3))
+        along(point, 2 * SLIDE + VOLUME, 10)
+        found.append(point.stress / kPa)
+    assert np.abs(found[1] - found[0]).max() < 1e-12 * np.abs(found[0]).max()
+
+
 def testAnElasticBodyStartsFromItsStress():
     stress = -np.array([[60.0, 10, 0], [10, 90, -5], [0, -5, 75]])
     point = mpm.MaterialPoint(mpm.LinearElastic(**CLAY, pressureExponent=0.5), stress)
@@ -230,18 +244,26 @@ def testASceneIsSavedAndGoesOnWithItsStiffness(type_, tmp_path):
 
 
 def testAnImplicitBodySettlesAsAnExplicitOne():
-    """A column under its weight."""
-    tops = []
-    for implicit in (False, True):
+    """A column under its weight, against s = sqrt(3) P of plane strain with Poisson's ratio 0: the integral
+    of the strain, J s being the stress of the law."""
+    weight, smallest = 20 * np.linspace(0, 4, 2001), 10.0
+    strain = np.zeros(2001)
+    for _ in range(20):
+        P = weight * np.exp(-strain) / np.sqrt(3)
+        more = 20 * (np.sqrt(np.maximum(P, smallest)) - np.sqrt(smallest))
+        strain = np.sqrt(3) / 3e3 * (np.minimum(P, smallest) / np.sqrt(smallest / 100) + more)
+    exact = 4 * np.mean(1 - np.exp(-strain))
+    for implicit, dt in ((False, 4e-3), (True, 0.05)):
         scene = mpm.Scene((0, 0), (1, 5), cell=0.25, gravity=10, damping=0.7, threads=1)
         scene.roller("bottom", "left", "right")
         law = mpm.LinearElastic(density=2, young=3e3, poisson=0.0, pressureExponent=0.5, smallestPressure=10)
         body = scene.add("column", mpm.box((0, 0), (1, 4)), law, mpm.APDI(size=0.25), implicit=implicit)
-        scene.dt = 4e-3
+        scene.dt = dt
         scene.run(until=4.0, progress=False)
-        tops.append(body.position[:, 1].max())
-    assert tops[0] < 3.77  # 3.82 with constant moduli
-    assert tops[1] == pytest.approx(tops[0], abs=2e-3 * (4 - tops[0]))
+        assert abs(body.velocity).max() < 0.01
+        assert 4 - body.vertices[:, 1].max() == pytest.approx(exact, rel=0.01)
+    constant = 4 * 20 * 4 / 2 / 3e3  # with the moduli as given
+    assert abs(exact - constant) > 0.2 * exact
 
 
 @pytest.mark.parametrize("law", ["LinearElastic", "MohrCoulomb", "MuI"])

@@ -175,6 +175,17 @@ def testUndrainedStrengthOfCamClay(ratio):
     assert q == pytest.approx(M * pressure(stress), rel=1e-3)  # the critical state
 
 
+def testTheUndrainedPathOfCamClay():
+    """p0/p = (1 + (q/p/M)^2)^((lambda - kappa)/lambda) of normally consolidated clay."""
+    law = mpm.ModifiedCamClay(**CLAY, overconsolidationRatio=1.0)
+    path = mpm.elementTest.triaxial(law, pressure=100, strain=0.2, drained=False, steps=1000)
+    power = (LAMBDA - KAPPA) / LAMBDA
+    exact = 100 * (1 + (path.q / path.p / M) ** 2) ** -power
+    assert np.abs(path.p / exact - 1).max() < 2e-3
+    assert np.abs(path.p / (100 * (1 + (path.q / path.p / (1.01 * M)) ** 2) ** -power) - 1).max() > 2e-3
+    assert path.p[-1] < 60
+
+
 def testLinesOfCompressionAndSwelling():
     point = clay(50.0, preconsolidation=50.0)
 

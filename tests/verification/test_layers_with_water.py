@@ -11,6 +11,7 @@ from yade_mpm import box
 GAMMA = 9.81  # kN/m3, water
 MODULUS = 1e4  # kPa, oedometer
 HEIGHT, CELLS = 1.0, 20
+KINDS = {"mesh": mpm.APDI(size=HEIGHT / CELLS / 2), "boxes": mpm.UGIMP()}
 
 
 def column(*parts):
@@ -45,9 +46,8 @@ def basePressure(scene):
 @pytest.mark.parametrize("lower, upper", [("mesh", "boxes"), ("boxes", "mesh")])
 def test_water_passes_between_a_mesh_and_boxes(lower, upper, verified):
     """The interface is no barrier: what lies below it drains through it."""
-    kinds = {"mesh": mpm.APDI(size=HEIGHT / CELLS / 2), "boxes": mpm.UGIMP()}
     k = GAMMA / MODULUS / 6
-    scene = column((0, 0.5, k, kinds[lower]), (0.5, 1, k, kinds[upper]))
+    scene = column((0, 0.5, k, KINDS[lower]), (0.5, 1, k, KINDS[upper]))
     for T, exact in ((0.1, 0.9493), (0.5, 0.3708)):
         scene.run(until=6 * T, progress=False)
         verified(basePressure(scene), exact)
@@ -74,11 +74,13 @@ def test_the_reference_of_two_layers_is_terzaghis_for_one():
 @pytest.mark.verifies(
     "pressure at the base of two layers", reference="finite differences in one dimension", tolerance=0.012
 )
+@pytest.mark.parametrize("kinds", [("boxes", "boxes"), ("mesh", "mesh"), ("mesh", "boxes")], ids="-".join)
 @pytest.mark.parametrize("lower, upper", [(10.0, 1.0), (1.0, 10.0)])
-def test_two_layers_consolidate(lower, upper, verified):
+def test_two_layers_consolidate(lower, upper, kinds, verified):
     """One layer lets ten times as much water through; as if both were alike the result is far off."""
     k = GAMMA / MODULUS / 6
-    scene = column((0, 0.5, lower * k, mpm.UGIMP()), (0.5, 1, upper * k, mpm.UGIMP()))
+    below, above = (KINDS[kind] for kind in kinds)
+    scene = column((0, 0.5, lower * k, below), (0.5, 1, upper * k, above))
     for time in (0.6, 1.5):
         scene.run(until=time, progress=False)
         exact = layered(lower / 6, upper / 6, time)

@@ -28,15 +28,16 @@ def test_a_cone_raises_the_pressure_of_a_cavity_and_it_dissipates(verified):
 
 
 def test_undrained_clay_keeps_its_volume_in_the_cells_that_a_cone_cuts():
-    """After one radius. Water and skeleton once shared the flux of such a cell in two ways: V/V0 was 0.89."""
+    """After three radii. With the flux of such a cell shared in two ways V/V0 was 0.89, with a balance for the
+    section of rings alone 1.017."""
     piezocone = importlib.import_module("piezocone")
-    a = piezocone.arguments(["--cells", "3", "--way", "1", "--threads", "1"])
+    a = piezocone.arguments(["--cells", "3", "--way", "3", "--threads", "1"])
     scene = piezocone.build(a)
-    scene.run(until=piezocone.RADIUS / a.rate, progress=False)
+    scene.run(until=3 * piezocone.RADIUS / a.rate, progress=False)
     soil = scene["soil"]
     near = np.abs(soil.position[:, 1] - scene["cone"].vertices[:, 1].min()) < 3 * piezocone.RADIUS
     ratio = (soil.volume / soil.initialVolume)[near]
-    assert ratio.min() > 0.98 and ratio.max() < 1.02
+    assert ratio.min() > 0.99 and ratio.max() < 1.01
 
 
 @pytest.mark.slow

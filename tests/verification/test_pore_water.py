@@ -63,10 +63,11 @@ def test_a_column_settles_as_terzaghi_says(verified):
     reference="Skempton: B of one-dimensional strain",
     tolerance=0.002,
 )
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("softer", [1.0, 1e-2, 2e-3])
-def test_undrained_soil_shares_the_load_with_its_water(softer, verified):
+def test_undrained_soil_shares_the_load_with_its_water(softer, kind, verified):
     """p/q = K_w/n / (K_w/n + M), with stiff water and with water as soft as the soil."""
-    scene, body = column("boxes", permeability=0.0, porosity=0.4, bulkModulus=2.2e6 * softer, tolerance=1e-4)
+    scene, body = column(kind, permeability=0.0, porosity=0.4, bulkModulus=2.2e6 * softer, tolerance=1e-4)
     scene.damping = 0.7
     scene.run(until=1.0, progress=False)
     low = body.position[:, 1] < 0.5

@@ -28,8 +28,8 @@ def test_a_cone_raises_the_pressure_of_a_cavity_and_it_dissipates(verified):
 
 
 def test_undrained_clay_keeps_its_volume_in_the_cells_that_a_cone_cuts():
-    """After three radii. With the flux of such a cell shared in two ways V/V0 was 0.89, with a balance for the
-    section of rings alone 1.017."""
+    """After three radii. With the flux of such a cell shared in two ways V/V0 was 0.89, with a balance for
+    the section of rings alone 1.017."""
     piezocone = importlib.import_module("piezocone")
     a = piezocone.arguments(["--cells", "3", "--way", "3", "--threads", "1"])
     scene = piezocone.build(a)

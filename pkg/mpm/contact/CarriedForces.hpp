@@ -9,6 +9,8 @@
 #include "mpm/contact/ContactSearch.hpp"
 #include "mpm/scene/SharedCells.hpp"
 
+#include <array>
+
 namespace mpm {
 
 template <int Dim> class CarriedForces {
@@ -41,14 +43,15 @@ template <int Dim> class CarriedForces {
                     const ContactPair<Dim>& pair) {
         forces_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
         const auto first = search.nodes.begin() + pair.firstNode, end = search.nodes.begin() + pair.endNode;
+        using Place = std::array<int, 3>; // two fields and a node, in their order
+        const auto placeOf = [](const auto& its) { return Place{its.field[0], its.field[1], its.node}; };
         for (const auto& part : cells.forces()) {
-            if (std::min(part.soil, part.solid) != first->field[0] ||
-                std::max(part.soil, part.solid) != first->field[1])
-                continue;
-            const auto node =
-                std::lower_bound(first, end, part.node, [](const auto& its, int n) { return its.node < n; });
-            if (node != end && node->node == part.node)
-                forces_[node - first] += (part.solid > part.soil ? 1 : -1) * part.force;
+            const bool isSecond = part.solid == pair.group[1];
+            const Place at = isSecond ? Place{part.soil, part.solid, part.node}
+                                      : Place{part.solid, part.soil, part.node};
+            const auto node = std::lower_bound(
+                first, end, at, [&](const auto& its, const Place& p) { return placeOf(its) < p; });
+            if (node != end && placeOf(*node) == at) forces_[node - first] += (isSecond ? 1 : -1) * part.force;
         }
     }
     void takeSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {

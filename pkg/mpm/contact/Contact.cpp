@@ -297,7 +297,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
 template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Dim>& search) {
     if (!scene.sharedCells->isWanted) return;
     for (const auto& node : search.nodes)
-        if (node.touches) scene.sharedCells->touch(node.node);
+        if (node.touches) scene.sharedCells->touch(node.field, node.node);
     scene.sharedCells->closeTouched(scene.grid);
 }
 

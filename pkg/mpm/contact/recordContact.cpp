@@ -74,8 +74,9 @@ template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
     using Place = std::tuple<int, int, int>;    // first and second group, node
     std::vector<std::pair<Place, Vec<Dim>>> on; // the second group
     for (const auto& part : scene.sharedCells->forces()) {
-        const auto [first, second] = std::minmax(part.soil, part.solid);
-        on.push_back({{first, second, part.node}, (part.solid > part.soil ? 1 : -1) * part.force});
+        const int soil = scene.groupOf[part.soil];
+        const auto [first, second] = std::minmax(soil, part.solid);
+        on.push_back({{first, second, part.node}, (part.solid > soil ? 1 : -1) * part.force});
     }
     std::stable_sort(on.begin(), on.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (size_t i = 0; i < on.size();) {

@@ -2,20 +2,18 @@
 #include "mpm/scene/PartedSoils.hpp"
 
 #include "mpm/scene/Scene.hpp"
+#include "mpm/scene/thicknessOfWall.hpp"
 #include "mpm/state/cover.hpp"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <numeric>
 
 namespace mpm {
 
 namespace {
 
 constexpr double thick = 2 * (1 - 1e-6); // cells; no node reaches the soil on both sides of such a wall
-// Part of a body that may lie on the other side of a wall: soil moves a little round its toe.
-constexpr double mostAstray = 0.01;
 constexpr double slender = 2; // least length of a wall along each axis that it ends on, in thicknesses
 // How far inside the ends of a wall it parts the soil, in cells: nearer nodes feel soil that goes through beyond.
 constexpr double fromEnd = 1;
@@ -44,19 +42,13 @@ template <int Dim> struct Spread {
     }
 };
 
-// Whether bodies of a soil lie on each side of a plane, and none on both, before anything moves. Soil that is parted
-// shares no cells with the wall, and loses pressure where the wall goes far along itself: so users ask for it.
+// Whether boxes of a soil lie on both sides of a plane, before anything moves.
 template <int Dim>
 bool isOnBothSides(const std::vector<Body<Dim>*>& soil, const Vec<Dim>& middle, const Vec<Dim>& normal) {
     bool has[2] = {false, false};
-    for (const Body<Dim>* body : soil) {
-        const int all = body->particles.size();
-        int inFront = 0;
-        for (int p = 0; p < all; ++p)
-            inFront += (vectorAt<Dim>(body->particles.reference, p) - middle).dot(normal) > 0;
-        if (std::min(inFront, all - inFront) >= mostAstray * all) return false;
-        has[2 * inFront > all] = true;
-    }
+    for (const Body<Dim>* body : soil)
+        for (int p = 0; p < body->particles.size(); ++p)
+            has[(vectorAt<Dim>(body->particles.reference, p) - middle).dot(normal) > 0] = true;
     return has[0] && has[1];
 }
 
@@ -114,18 +106,14 @@ template <int Dim> void PartedSoils<Dim>::place(const Scene<Dim>& scene, Wall& w
 
 // Whether a mesh is a plane thinner than two cells.
 template <int Dim> bool PartedSoils<Dim>::isWall(const Scene<Dim>& scene, const Wall& wall) const {
-    const Body<Dim>& body = *scene.bodies[wall.body];
+    Body<Dim>& body = *scene.bodies[wall.body];
     const Field& X = body.domains->mesh()->vertexPositions();
-    const double* V = body.particles.initialVolume.plane();
-    double thickness =
-        std::accumulate(V, V + body.particles.size(), 0.0) * std::abs(wall.normal[wall.across]);
+    const double thickness = thicknessOf(body, wall.normal, wall.across);
     double shortest = beyondAll;
     for (int k = 0; k < Dim; ++k) {
         const auto [least, most] = std::minmax_element(X.plane(k), X.plane(k) + X.size());
-        if (k == wall.across) continue;
-        thickness /= *most - *least;
-        const bool hasEnd = wall.lower[k] > -beyondAll || wall.upper[k] < beyondAll;
-        if (hasEnd) shortest = std::min(shortest, *most - *least);
+        if (k != wall.across && (wall.lower[k] > -beyondAll || wall.upper[k] < beyondAll))
+            shortest = std::min(shortest, *most - *least);
     }
     return thickness < thick * scene.grid.sizeAt(wall.middle).minCoeff() && shortest > slender * thickness;
 }

@@ -64,6 +64,9 @@ template <int Dim> bool isDrivenWhole(const Scene<Dim>& scene, const Body<Dim>& 
     return false;
 }
 
+// Part of the solids in a cell that a wall parts, for each side.
+constexpr double halfOfSolids = 0.5;
+
 // Of the soil that has most of a cell.
 template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
     std::vector<double> covers(scene.groupOf.size(), 0.0);
@@ -101,6 +104,7 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     if (!isWanted || std::count(isSoil_.begin(), isSoil_.end(), 1) == 0 ||
         std::count(isSolid_.begin(), isSolid_.end(), 1) == 0)
         return gaps_.clear();
+    findSides(scene);
     findSolids(scene);
     findAir(scene);
     findGivers(scene);
@@ -122,7 +126,7 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
         if (body->domains->boxes()) {
             isSolid_[group] = 0;
             if (body->fbar && heaviest == 0) half_ = body->domains->boxes()->halfSize()[0];
-            if (body->fbar && scene.parted.partnerOf(group) < 0) isSoil_[group] = 1;
+            if (body->fbar) isSoil_[group] = 1;
             if (body->fbar) heaviest = std::max(heaviest, density);
         } else if (!isDrivenWhole(scene, *body)) {
             lightest[group] = std::min(lightest[group], density);
@@ -133,18 +137,31 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
         isSolid_[g] &= lightest[g] >= leastDensity * heaviest;
         if (isSolid_[g]) lightness_ = std::min(lightness_, lightest[g] / heaviest);
     }
-    if (volumes_.size() == groups) return;
-    const int count = scene.grid.count;
+    // Parted soil has two fields; beside another soil it shares none.
+    const auto soils = std::count(isSoil_.begin(), isSoil_.end(), 1);
+    for (size_t g = scene.groups.size(); g < groups; ++g) {
+        isSolid_[g] = 0;
+        isSoil_[g] = isSoil_[scene.groupOf[g]] &= soils == 1;
+    }
+    const int count = scene.grid.count, halves = groups > scene.groups.size() ? 2 : 1;
+    if (volumes_.size() == groups && giverAt_.size() == size_t(halves * count)) return;
     volumes_.assign(groups, {});
-    scratch_.assign(count, 0.0);
-    isTouched_.assign(count, 0);
+    scratch_.assign(halves * count, 0.0);
+    isTouched_.assign(halves * count, 0);
     solid_.assign(count, 0.0);
     hat_.resize(count);
     for (int node = 0; node < count; ++node) hat_[node] = hatVolume(scene.grid, node);
     isNear_.assign(count, 0);
     isAir_.assign(count, 0);
     isReached_.assign(count, 0);
-    giverAt_.assign(count, -1);
+    giverAt_.assign(halves * count, -1);
+}
+
+template <int Dim> void SharedCells<Dim>::findSides(const Scene<Dim>& scene) {
+    int parted = -1;
+    for (size_t g = scene.groups.size(); g < isSoil_.size(); ++g)
+        if (isSoil_[g]) parted = scene.groupOf[g];
+    sides_.find(scene, parted);
 }
 
 template <int Dim> double SharedCells<Dim>::stepFactor(const Scene<Dim>& scene) {
@@ -192,18 +209,21 @@ template <int Dim> void SharedCells<Dim>::findSolids(const Scene<Dim>& scene) {
     }
 }
 
-// Whether soil that acts by cells is in a cell.
-template <int Dim> bool SharedCells<Dim>::hasSoil(const Scene<Dim>& scene, int cell) const {
-    return coverOfSoils(scene, cell) > 0;
+// Of a cell, to the soil on its side.
+template <int Dim> double SharedCells<Dim>::openPart(const Grid<Dim>& grid, int number) const {
+    const int cell = sides_.inGrid(number), field = sides_.fieldOf(number);
+    return field < 0 ? std::clamp(1 - solid_[cell], 0.0, 1.0) : sides_.open(grid, field, cell);
 }
 
 template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
-    for (int cell : near_) give(scene, cell);
+    for (int cell : near_) sides_.forNumbers(cell, [&](int number) { give(scene, number); });
     for (auto& [cell, taker] : takers_) {
-        const double whole = scene.grid.volume(cell);
+        const double whole = scene.grid.volume(sides_.inGrid(cell));
         if (giverAt_[cell] < 0) { // whole cells beside: with their own flux
             giverAt_[cell] = int(givers_.size());
-            givers_.push_back({cell, {{cell, 1}}});
+            givers_.emplace_back();
+            givers_.back().cell = cell;
+            givers_.back().to.push_back({cell, 1});
             taker.from.push_back({cell, 1});
             taker.volume += whole;
         }
@@ -211,39 +231,44 @@ template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
     }
 }
 
-// Volume of the soils in a cell over its own.
-template <int Dim> double SharedCells<Dim>::coverOfSoils(const Scene<Dim>& scene, int cell) const {
+// Volume of the soils in a cell over its own, of those on its side where it is parted.
+template <int Dim> double SharedCells<Dim>::coverOfSoils(const Scene<Dim>& scene, int number) const {
+    if (sides_.fieldOf(number) >= 0) return coverOnSide(scene, sides_.first(), number);
     double cover = 0;
     for (size_t g = 0; g < isSoil_.size(); ++g)
-        if (isSoil_[g]) cover += coverOf(scene, int(g), cell);
+        if (isSoil_[g]) cover += coverOf(scene, int(g), number);
     return cover;
 }
 
 // The flux of a cell goes to its own soil as far as that has room, else to the neighbours that have more; diagonal
 // ones where no other has soil.
-template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell) {
+template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int number) {
     const Grid<Dim>& grid = scene.grid;
-    const double open = openPart(cell), volume = open * grid.volume(cell);
-    const bool hasOwn = hasSoil(scene, cell);
+    const int cell = sides_.inGrid(number);
+    const double open = openPart(grid, number), volume = open * grid.volume(cell);
+    const bool hasOwn = coverOfSoils(scene, number) > 0;
     double own = hasOwn ? std::min(1.0, open / ownShare) : 0, sum = 0;
-    Giver giver{cell, {}};
+    Giver giver;
+    giver.cell = number;
+    giver.field = sides_.fieldOf(number);
+    if (giver.field >= 0) giver.part = sides_.part(grid, giver.field, cell);
     for (int ring = 1; ring <= 2 && own < 1 && sum == 0; ++ring)
-        forCellsBeside(grid, cell, [&](int other, int axes) {
-            if ((axes == 1) != (ring == 1) || !hasSoil(scene, other)) return;
-            const double there = std::max(openPart(other), leastWeight);
-            giver.to.push_back({other, there * there});
-            sum += there * there;
+        sides_.forBeside(grid, number, [&](int other, int axes, double part) {
+            if ((axes == 1) != (ring == 1) || !(coverOfSoils(scene, other) > 0)) return;
+            const double there = std::max(openPart(grid, other), leastWeight);
+            giver.to.push_back({other, there * there * part});
+            sum += there * there * part;
         });
     for (Part& part : giver.to) part.part *= (1 - own) / sum;
     if (sum == 0) own = hasOwn;
-    if (own > 0) giver.to.push_back({cell, own});
+    if (own > 0) giver.to.push_back({number, own});
     if (giver.to.empty()) return;
     for (const Part& part : giver.to) {
         Taker& taker = takers_[part.cell];
-        taker.from.push_back({cell, part.part});
+        taker.from.push_back({number, part.part});
         taker.volume += part.part * volume;
     }
-    giverAt_[cell] = int(givers_.size());
+    giverAt_[number] = int(givers_.size());
     givers_.push_back(std::move(giver));
 }
 
@@ -260,23 +285,34 @@ template <int Dim> void SharedCells<Dim>::addGrowth(const Scene<Dim>& scene, Bod
     std::vector<int> cells(chunkSize * corners<Dim>);
     CellPoints<Dim> points;
     points.start(body.particles, body.domains->mesh());
+    const auto forGivers = [&](int cell, auto&& f) { // f(giver, part of the solids)
+        sides_.forNumbers(cell, [&](int number) {
+            if (giverAt_[number] < 0) return;
+            Giver& giver = givers_[giverAt_[number]];
+            f(giver, giver.field < 0 ? 1.0 : halfOfSolids);
+        });
+    };
     for (int begin = 0; begin < n; begin += chunkSize) {
         const int end = std::min(n, begin + chunkSize);
         points.place(grid, begin, end, cells.data());
         for (int p = begin; p < end; ++p) {
             const int *const first = &cells[points.at(p) - points.at(begin)], *const last =
                                                                                   first + points.per(p);
-            if (std::all_of(first, last, [&](int cell) { return giverAt_[cell] < 0; })) continue;
+            bool isAny = false;
+            for (const int* cell = first; cell < last; ++cell)
+                forGivers(*cell, [&](Giver&, double) { isAny = true; });
+            if (!isAny) continue;
             const double part = body.particles.volume.plane()[p] / points.per(p);
             for (const int* cell = first; cell < last; ++cell)
-                if (giverAt_[*cell] >= 0) givers_[giverAt_[*cell]].ofSolids += part;
+                forGivers(*cell, [&](Giver& giver, double its) { giver.ofSolids += its * part; });
             body.domains->mesh()->strains(
                 p,
                 [&](int node, double, const Vec<Dim>& gradient, double hoop, const double*) {
                     const Vec<Dim> slope = part * (gradient + hoop * Vec<Dim>::Unit(0));
                     for (const int* cell = first; cell < last; ++cell)
-                        if (giverAt_[*cell] >= 0)
-                            givers_[giverAt_[*cell]].grow(body.velocityField, node, slope);
+                        forGivers(*cell, [&](Giver& giver, double its) {
+                            giver.grow(body.velocityField, node, its * slope);
+                        });
                 },
                 stiffness);
         }
@@ -286,10 +322,25 @@ template <int Dim> void SharedCells<Dim>::addGrowth(const Scene<Dim>& scene, Bod
 template <int Dim> void SharedCells<Dim>::takeVolumes(const Scene<Dim>& scene) {
     for (const Giver& giver : givers_)
         for (int a = 0; a < corners<Dim>; ++a) {
-            const int node = cornerOf(scene.grid, giver.cell, a);
+            const int node = cornerOf(scene.grid, sides_.inGrid(giver.cell), a);
             for (size_t g = 0; g < volumes_.size(); ++g)
                 if (isSoil_[g]) setVolume(int(g), node, volumeOfSoil(scene, int(g), node, false));
         }
+}
+
+// What of the motion of a group at a corner of a giver counts for the flux.
+template <int Dim> double SharedCells<Dim>::partOf(const Giver& giver, int group, int node) const {
+    const double own = volumeOf(group, node);
+    if (own == 0) return 0;
+    const double all = volumeAt(node);
+    if (giver.field < 0 || sides_.isOne(node)) return giver.part * own / all;
+    const double ofSoil = volumeOf(giver.field, node) / all;
+    if (group == giver.field) return ofSoil;
+    if (!isSolid_[group]) return 0;
+    double solids = 0;
+    for (size_t g = 0; g < volumes_.size(); ++g)
+        if (isSolid_[g]) solids += volumeOf(int(g), node);
+    return (giver.part - ofSoil) * own / solids;
 }
 
 template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
@@ -304,25 +355,29 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
             stress += to.part * taker.acting / taker.volume;
         }
         if (stress == 0) continue;
-        const int soil = groupOf(scene, giver.to.front().cell);
+        const int cell = sides_.inGrid(giver.cell);
+        const int ofMost = groupOf(scene, sides_.inGrid(giver.to.front().cell));
+        const auto soilAt = [&](int node) {
+            return giver.field < 0 || sides_.isOne(node) ? ofMost : giver.field;
+        };
         for (const Growth& solid : giver.solids) {
             const Vec<Dim> force = stress * solid.slope;
             for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[solid.group].sum[solid.node], k, force[k]);
-            forces_.push_back({soil, solid.group, solid.node, force});
+            forces_.push_back({soilAt(solid.node), solid.group, solid.node, force});
         }
         for (int g = 0; g < int(volumes_.size()); ++g) {
             Vec<Dim> sum = Vec<Dim>::Zero();
             for (int a = 0; a < corners<Dim>; ++a) {
-                const int node = cornerOf(grid, giver.cell, a);
-                const double own = volumeOf(g, node), part = own > 0 ? own / volumeAt(node) : 0;
+                const int node = cornerOf(grid, cell, a);
+                const double part = partOf(giver, g, node);
                 if (part == 0) continue;
-                const Vec<Dim> force = -part * stress * slopeOf(grid, giver.cell, a);
+                const Vec<Dim> force = -part * stress * slopeOf(grid, cell, a);
                 for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
-                if (isSolid_[g]) forces_.push_back({soil, g, node, force});
+                if (isSolid_[g]) forces_.push_back({soilAt(node), g, node, force});
                 sum += force;
             }
             if (!isSolid_[g] || sum.isZero(0)) continue;
-            ofCells_.push_back({soil, g, giver.cell, sum});
+            ofCells_.push_back({ofMost, g, cell, sum});
         }
     }
 }

@@ -10,9 +10,17 @@
 // A taker is closed while its soil and the body fill the space and press on each other, else open: a gap, or a free
 // surface near the body. An open one goes as if there were no other group. One that was closed knows its gap while that
 // is small, and closes when it is used up; any one where surfaces meet and the cell is full.
+//
+// Where a wall parts the soil (SidesOfCells) a cell counts for each of its fields. For the soil of one side what lies
+// beyond the wall is a part of the wall: with v_w the velocity of the solids and the part c of the cell on that side of
+// the middle of the wall, its corners move by
+//     u_i = l_i (v_i - v_w) + c v_w,   l_i = V_i / sum_g V_ig,
+// on nodes where the soil is two, by c u_i where it is one, and half of the solids count. Both sides add up to the flux of
+// all; soil of one side feels the pressure of that side, and the wall the difference.
 #pragma once
 
 #include "mpm/scene/Body.hpp"
+#include "mpm/scene/SidesOfCells.hpp"
 
 #include <map>
 
@@ -90,10 +98,15 @@ template <int Dim> class SharedCells {
             for (size_t g = 0; g < volumes_.size(); ++g) f(node, int(g), volumeOf(int(g), node));
     }
 
-    // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
-    void touch(int node) {
-        isTouched_[node] = 1;
-        touched_.push_back(node);
+    // Takes note that the groups of two fields press on each other at a node; and then lets takers close, from the next step on.
+    void touch(const int (&fields)[2], int node) {
+        const bool isOfSecond = sides_.areAny() && std::max(fields[0], fields[1]) == sides_.second();
+        const auto mark = [&](int place) {
+            isTouched_[place] = 1;
+            touched_.push_back(place);
+        };
+        if (!isOfSecond) mark(node);
+        if (isOfSecond || (sides_.areAny() && sides_.isOne(node))) mark(sides_.place(sides_.second(), node));
     }
     void closeTouched(const Grid<Dim>& grid);
 
@@ -119,11 +132,13 @@ template <int Dim> class SharedCells {
         Vec<Dim> slope;
     };
     struct Giver {
-        int cell;
+        int cell; // its number, see SidesOfCells
         std::vector<Part> to;
         std::vector<Growth> solids;
         double ofSolids = 0; // their volume in the cell, m3
         double flux = 0;     // to its takers in this step, m3/s
+        int field = -1;      // of the soil on its side of a wall; -1: it counts as a whole
+        double part = 1;     // of its volume, on that side
 
         void grow(int group, int node, const Vec<Dim>& slope) {
             for (Growth& solid : solids)
@@ -136,23 +151,27 @@ template <int Dim> class SharedCells {
     };
 
     void findGroups(const Scene<Dim>& scene);
+    void findSides(const Scene<Dim>& scene);
     void setVolume(int group, int node, double volume);
     double volumeOf(int group, int node) const { return volumes_[group].empty() ? 0 : volumes_[group][node]; }
     double volumeAt(int node) const; // of all groups
     void findSolids(const Scene<Dim>& scene);
-    double openPart(int cell) const { return std::clamp(1 - solid_[cell], 0.0, 1.0); }
-    bool hasSoil(const Scene<Dim>& scene, int cell) const;
+    double openPart(const Grid<Dim>& grid, int number) const;
     void findGivers(const Scene<Dim>& scene);
-    void give(const Scene<Dim>& scene, int cell);
+    void give(const Scene<Dim>& scene, int number);
+    double partOf(const Giver& giver, int group, int node) const;
+    template <class VelocityOf> Vec<Dim> motion(const Giver& giver, int node, VelocityOf&& velocityOf) const;
     void findGrowths(const Scene<Dim>& scene);
     void addGrowth(const Scene<Dim>& scene, Body<Dim>& body);
-    bool isBesideClosed(const Grid<Dim>& grid, int cell, const std::map<int, double>& gaps) const;
-    std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& cells);
+    bool isBesideClosed(const Grid<Dim>& grid, int number, const std::map<int, double>& gaps) const;
+    std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& numbers);
+    void addBoxes(const Scene<Dim>& scene, const std::vector<int>& reach, std::vector<int>& touched);
     void decide(const Scene<Dim>& scene);
     double meanStressIn(const Scene<Dim>& scene, int number) const;
-    double coverOfSoils(const Scene<Dim>& scene, int cell) const;
+    double coverOfSoils(const Scene<Dim>& scene, int number) const;
+    double coverOfAll(const Scene<Dim>& scene, int cell) const;
     void findAir(const Scene<Dim>& scene);
-    double fullAround(const Scene<Dim>& scene, int number);
+    double fullAround(const Scene<Dim>& scene, int cell, int field);
     double insideOfAll(const Scene<Dim>& scene, int number);
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
     // What the volume of a cell gains as its corner moves, m2.
@@ -174,20 +193,36 @@ template <int Dim> class SharedCells {
     std::vector<double> hat_;                  // integrals of the hat functions over the grid, m3
     std::vector<double> scratch_;              // zero
     std::vector<int> near_;                    // cells with a node of a solid
-    std::vector<int> touched_;                 // nodes where groups press on each other in this step
-    std::vector<char> isTouched_;              // of each node, whether it is one of these
+    std::vector<int> touched_;    // nodes of fields where groups press on each other in this step
+    std::vector<char> isTouched_; // of each of them, whether it is one of these
     std::vector<char> isReached_;              // of each cell, while fillings are found
     std::vector<int> air_;      // of these, the empty ones that have a way out through empty ones
     std::vector<char> isAir_;   // of each cell, whether it is one of those
     std::vector<char> isNear_;  // of each cell, whether it is near a solid,
     std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;
-    std::vector<int> giverAt_; // of each cell, -1: none
+    std::vector<int> giverAt_; // of each number of a cell, -1: none
+    SidesOfCells<Dim> sides_;
     std::map<int, Taker> takers_;
-    std::map<int, double> fullness_; // of cells that were asked for
+    std::map<std::pair<int, int>, double> fullness_; // of cells that were asked for, for a field
     std::map<int, double> gaps_;     // of the takers, over their volume: opened since they were closed
     std::vector<Force> forces_, ofCells_;
 };
+
+// What a corner of a giver moves by.
+template <int Dim>
+template <class VelocityOf>
+Vec<Dim> SharedCells<Dim>::motion(const Giver& giver, int node, VelocityOf&& velocityOf) const {
+    Vec<Dim> u = Vec<Dim>::Zero();
+    double volume = 0;
+    for (size_t g = 0; g < volumes_.size(); ++g) {
+        const double V = giver.field < 0 ? volumeOf(int(g), node) : partOf(giver, int(g), node);
+        if (V == 0) continue;
+        u += V * velocityOf(int(g), node);
+        volume += V;
+    }
+    return giver.field < 0 && volume > 0 ? Vec<Dim>(u / volume) : u;
+}
 
 template <int Dim>
 template <class VelocityOf>
@@ -196,22 +231,15 @@ void SharedCells<Dim>::takeFluxes(const Scene<Dim>& scene, VelocityOf&& velocity
     fluxStep_ = scene.step;
     const Grid<Dim>& grid = scene.grid;
     for (Giver& giver : givers_) {
-        const Vec<Dim> edges = grid.edges(giver.cell);
+        const int cell = sides_.inGrid(giver.cell);
+        const Vec<Dim> edges = grid.edges(cell);
         CornerNumbers<Dim> x; // where the corners go in the step, in cells
         for (int a = 0; a < corners<Dim>; ++a) {
-            const int node = cornerOf(grid, giver.cell, a);
-            Vec<Dim> u = Vec<Dim>::Zero();
-            double volume = 0;
-            for (size_t g = 0; g < volumes_.size(); ++g)
-                if (const double V = volumeOf(int(g), node); V > 0) {
-                    u += V * velocityOf(int(g), node);
-                    volume += V;
-                }
-            if (volume > 0) u /= volume;
+            const Vec<Dim> u = motion(giver, cornerOf(grid, cell, a), velocityOf);
             for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
         }
         giver.flux =
-            (CellAverage<Dim>::grown(grid, giver.cell, x, half_) - 1) * grid.volume(giver.cell) / scene.dt;
+            (CellAverage<Dim>::grown(grid, cell, x, half_) - 1) * grid.volume(cell) / scene.dt;
         if (giver.ofSolids == 0) continue;
         Mat<Dim> L = Mat<Dim>::Zero();
         for (const Growth& solid : giver.solids)

@@ -17,11 +17,18 @@ constexpr double fullAtFirst = 0.95, full = 0.98, fullBesideClosed = 0.7;
 
 } // namespace
 
+// Volume of the soils on both sides over that of a cell.
+template <int Dim> double SharedCells<Dim>::coverOfAll(const Scene<Dim>& scene, int cell) const {
+    double cover = 0;
+    sides_.forNumbers(cell, [&](int number) { cover += coverOfSoils(scene, number); });
+    return cover;
+}
+
 // Empty cells beside the solids with a way out, through faces of empty cells, to one that is not beside them. The others
 // are the wake of a body in soil that has not yet followed.
 template <int Dim> void SharedCells<Dim>::findAir(const Scene<Dim>& scene) {
     const Grid<Dim>& grid = scene.grid;
-    const auto isEmpty = [&](int cell) { return solid_[cell] < 1 && coverOfSoils(scene, cell) == 0; };
+    const auto isEmpty = [&](int cell) { return solid_[cell] < 1 && coverOfAll(scene, cell) == 0; };
     std::vector<int> empty;
     std::copy_if(near_.begin(), near_.end(), std::back_inserter(empty), isEmpty);
     const auto add = [&](int cell) {
@@ -40,19 +47,27 @@ template <int Dim> void SharedCells<Dim>::findAir(const Scene<Dim>& scene) {
 
 // How full a cell and those round it are of soil and solids. What solids alone surround counts the less the more they
 // do: a hole in them is no free surface.
-template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, int number) {
-    const auto [found, isNew] = fullness_.try_emplace(number, 1.0);
+template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, int number, int field) {
+    const auto [found, isNew] = fullness_.try_emplace({number, field}, 1.0);
     if (!isNew) return found->second;
+    const auto soilIn = [&](int cell) {
+        if (field < 0) return coverOfAll(scene, cell);
+        const double part = sides_.fieldOf(cell) < 0 ? sides_.part(scene.grid, field, cell) : 1;
+        return part * coverOfSoils(scene, sides_.fieldOf(cell) < 0 ? cell : sides_.place(field, cell));
+    };
+    const auto solidIn = [&](int cell) {
+        return field < 0 ? solid_[cell] : std::max(solid_[cell], 1 - sides_.open(scene.grid, field, cell));
+    };
     double sum = 0, weights = 0;
     const auto add = [&](int cell, int) {
-        const double soil = coverOfSoils(scene, cell);
-        const double cover = soil == 0 && isNear_[cell] && !isAir_[cell] ? 1 : soil + solid_[cell];
+        const double soil = soilIn(cell);
+        const double cover = soil == 0 && isNear_[cell] && !isAir_[cell] ? 1 : soil + solidIn(cell);
         double weight = 1;
         if (soil == 0 && cover < 1) {
-            double soils = 0, solids = solid_[cell];
+            double soils = 0, solids = solidIn(cell);
             forCellsBeside(scene.grid, cell, [&](int other, int) {
-                soils += coverOfSoils(scene, other);
-                solids += solid_[other];
+                soils += soilIn(other);
+                solids += solidIn(other);
             });
             weight = soils > 0 ? 1 : std::max(0.0, 1 - solids);
         }
@@ -68,18 +83,20 @@ template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, 
 // body may be empty. At the ends of a body that stands on a free surface it is 0: what the cells there put on the
 // body's sides would push it along the surface. (0.75: one cell of a row beside the taker, across, is at a surface.)
 template <int Dim> double SharedCells<Dim>::insideOfAll(const Scene<Dim>& scene, int number) {
+    const int field = sides_.fieldOf(number);
     const auto full = [&](int cell) {
-        return std::clamp((fullAround(scene, cell) - emptyAround) / (filledAround - emptyAround), 0.0, 1.0);
+        return std::clamp((fullAround(scene, cell, field) - emptyAround) / (filledAround - emptyAround), 0.0,
+                          1.0);
     };
-    return insideBy(scene.grid, number, full, 0.75, 1.0);
+    return insideBy(scene.grid, sides_.inGrid(number), full, 0.75, 1.0);
 }
 
 // Whether a taker stands beside one that was closed. Soil that has flowed round a body covers the cells there unevenly.
 template <int Dim>
-bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int cell,
+bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int number,
                                       const std::map<int, double>& gaps) const {
     bool isBeside = false;
-    forCellsBeside(grid, cell, [&](int other, int axes) {
+    sides_.forBeside(grid, number, [&](int other, int axes, double) {
         const auto found = axes == 1 ? gaps.find(other) : gaps.end();
         isBeside |= found != gaps.end() && found->second == 0;
     });
@@ -89,12 +106,16 @@ bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int cell,
 // How full the corners of takers are with matter: 0.75 at a flat free surface, about 1 inside. Exact, for the masses
 // on the nodes have not the volumes that boxes have now.
 template <int Dim>
-std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const std::vector<int>& cells) {
+std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const std::vector<int>& numbers) {
     const Grid<Dim>& grid = scene.grid;
     std::map<int, double> filled;
-    if (cells.empty()) return filled;
-    std::vector<int> reach = cells, touched, which; // cells whose boxes reach the corners
-    for (int cell : cells) isReached_[cell] = 1;
+    if (numbers.empty()) return filled;
+    std::vector<int> reach, touched; // cells whose boxes reach the corners
+    for (int number : numbers) {
+        const int cell = sides_.inGrid(number);
+        if (!isReached_[cell]) reach.push_back(cell);
+        isReached_[cell] = 1;
+    }
     for (size_t begin = 0, ring = 0; ring < 2; ++ring) {
         const size_t end = reach.size();
         for (; begin < end; ++begin)
@@ -103,26 +124,50 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
                 isReached_[cell] = 1;
             });
     }
+    addBoxes(scene, reach, touched);
+    for (int number : numbers)
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const int node = cornerOf(grid, sides_.inGrid(number), a), field = sides_.fieldOf(number);
+            double volume = volumeAt(node);
+            if (field >= 0 && !sides_.isOne(node))
+                volume += scratch_[sides_.place(field, node)] + sides_.beyond(grid, field, node) * hat_[node];
+            else
+                volume += scratch_[node] +
+                          (sides_.areAny() ? scratch_[sides_.place(sides_.second(), node)] : 0);
+            for (size_t g = 0; g < volumes_.size(); ++g)
+                if (isSoil_[g]) volume += volumeOfSoil(scene, int(g), node, true);
+            filled[number] += volume / hat_[node] / corners<Dim>;
+        }
+    for (int place : touched) scratch_[place] = 0;
+    for (int cell : reach) isReached_[cell] = 0;
+    return filled;
+}
+
+// The volumes of the boxes in some cells at the nodes, of each field of a parted soil.
+template <int Dim>
+void SharedCells<Dim>::addBoxes(const Scene<Dim>& scene, const std::vector<int>& reach,
+                                std::vector<int>& touched) {
     const auto [lowest, highest] = std::minmax_element(reach.begin(), reach.end());
     for (auto& body : scene.bodies) {
         if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
-        which.clear();
-        body->cellAverage.forCells(*lowest, *highest, [&](int p, int cell) {
-            if (isReached_[cell] && (which.empty() || which.back() != p)) which.push_back(p);
-        });
-        body->domains->addQuantity(body->particles.volume.plane(), which, scratch_.data(), touched);
-    }
-    for (int cell : cells)
-        for (int a = 0; a < corners<Dim>; ++a) {
-            const int node = cornerOf(grid, cell, a);
-            double volume = volumeAt(node) + scratch_[node];
-            for (size_t g = 0; g < volumes_.size(); ++g)
-                if (isSoil_[g]) volume += volumeOfSoil(scene, int(g), node, true);
-            filled[cell] += volume / hat_[node] / corners<Dim>;
+        const bool isParted = sides_.areAny() && body->particles.size() > 0 && body->domains->boxes();
+        std::vector<int> which[2]; // of the first and of the second field
+        const auto look = [&](int p, int number) {
+            auto& its = which[isParted && body->domains->boxes()->seconds()[p]];
+            if (isReached_[sides_.inGrid(number)] && (its.empty() || its.back() != p)) its.push_back(p);
+        };
+        body->cellAverage.forCells(*lowest, *highest, look);
+        if (isParted)
+            body->cellAverage.forCells(sides_.place(sides_.second(), *lowest),
+                                       sides_.place(sides_.second(), *highest), look);
+        for (int half = 0; half < 1 + isParted; ++half) {
+            const int begin = half == 0 ? 0 : sides_.place(sides_.second(), 0);
+            std::vector<int> nodes;
+            body->domains->addQuantity(body->particles.volume.plane(), which[half], scratch_.data() + begin,
+                                       nodes);
+            for (int node : nodes) touched.push_back(begin + node);
         }
-    for (int node : touched) scratch_[node] = 0;
-    for (int cell : reach) isReached_[cell] = 0;
-    return filled;
+    }
 }
 
 // Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
@@ -174,7 +219,8 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
 template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
     const auto touches = [&](const Part& from) {
         bool is = false;
-        for (int a = 0; a < corners<Dim>; ++a) is |= isTouched_[cornerOf(grid, from.cell, a)];
+        const int cell = sides_.inGrid(from.cell), field = sides_.fieldOf(from.cell);
+        for (int a = 0; a < corners<Dim>; ++a) is |= isTouched_[sides_.place(field, cornerOf(grid, cell, a))];
         return is;
     };
     for (const auto& [cell, taker] : takers_) {
@@ -202,7 +248,9 @@ template <int Dim> void SharedCells<Dim>::tell(const Scene<Dim>& scene, int numb
         const int group = body->velocityField;
         auto* cell = isSoil_[group] && actsByCells(*body) ? body->cellAverage.occupied(number) : nullptr;
         if (!cell) continue;
-        cell->shared = taker.volume * cell->share * coverOf(scene, group, number) / soils;
+        const double share = sides_.fieldOf(number) < 0 ? cell->share * coverOf(scene, group, number)
+                                                        : cell->volume / cell->whole;
+        cell->shared = taker.volume * share / soils;
         cell->isOpen = !taker.isClosed;
         if (taker.isClosed) cell->inside = insideOfAll(scene, number);
     }

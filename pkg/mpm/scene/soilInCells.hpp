@@ -26,7 +26,7 @@ template <int Dim> bool mayHaveMass(const Grid<Dim>& grid, const NodalField<Dim>
 template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int node, bool ofMeshes) {
     double density = 0;
     for (auto& body : scene.bodies)
-        if (density == 0 && body->velocityField == group && (!ofMeshes || body->domains->mesh()))
+        if (density == 0 && body->velocityField == scene.groupOf[group] && (!ofMeshes || body->domains->mesh()))
             density = body->material->density;
     const auto& field = scene.grid.fields[group];
     return density > 0 && mayHaveMass(scene.grid, field, node)
@@ -39,6 +39,16 @@ template <int Dim> double coverOf(const Scene<Dim>& scene, int group, int cell) 
     double sum = 0;
     for (auto& body : scene.bodies)
         if (body->velocityField == group && body->fbar) sum += body->cellAverage.coverOf(cell);
+    return sum;
+}
+
+// Of what a cell has of a parted soil, by its number: that on one side.
+template <int Dim> double coverOnSide(const Scene<Dim>& scene, int group, int number) {
+    double sum = 0;
+    for (auto& body : scene.bodies) {
+        if (body->velocityField != group || !body->fbar || body->particles.size() == 0) continue;
+        if (const auto* cell = body->cellAverage.occupied(number)) sum += cell->volume / cell->whole;
+    }
     return sum;
 }
 

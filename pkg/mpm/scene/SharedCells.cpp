@@ -252,12 +252,22 @@ template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int numb
     giver.cell = number;
     giver.field = sides_.fieldOf(number);
     if (giver.field >= 0) giver.part = sides_.part(grid, giver.field, cell);
+    const auto offer = [&](int other, double part) {
+        if (!(coverOfSoils(scene, other) > 0)) return;
+        const double there = std::max(openPart(grid, other), leastWeight);
+        giver.to.push_back({other, there * there * part});
+        sum += there * there * part;
+    };
     for (int ring = 1; ring <= 2 && own < 1 && sum == 0; ++ring)
         sides_.forBeside(grid, number, [&](int other, int axes, double part) {
-            if ((axes == 1) != (ring == 1) || !(coverOfSoils(scene, other) > 0)) return;
-            const double there = std::max(openPart(grid, other), leastWeight);
-            giver.to.push_back({other, there * there * part});
-            sum += there * there * part;
+            if ((axes == 1) == (ring == 1)) offer(other, part);
+        });
+    if (giver.field >= 0 && !hasOwn && sum == 0) // soil that begins two cells away reaches its corners
+        sides_.forBeside(grid, number, [&](int next, int axes, double) {
+            if (axes != 1 || sides_.fieldOf(next) != giver.field) return;
+            sides_.forBeside(grid, next, [&](int other, int its, double part) {
+                if (its == 1) offer(other, part);
+            });
         });
     for (Part& part : giver.to) part.part *= (1 - own) / sum;
     if (sum == 0) own = hasOwn;

@@ -92,6 +92,7 @@ double SidesOfCells<Dim>::middleAt(const Grid<Dim>& grid, const Plane& plane, co
 template <int Dim>
 const typename SidesOfCells<Dim>::Plane& SidesOfCells<Dim>::planeAt(const Grid<Dim>& grid,
                                                                     const Vec<Dim>& x) const {
+    if (planes_.size() == 1) return planes_.front();
     const Plane* nearest = &planes_.front();
     double least = std::numeric_limits<double>::infinity();
     for (const Plane& plane : planes_) {

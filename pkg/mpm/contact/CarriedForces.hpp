@@ -47,11 +47,12 @@ template <int Dim> class CarriedForces {
         const auto placeOf = [](const auto& its) { return Place{its.field[0], its.field[1], its.node}; };
         for (const auto& part : cells.forces()) {
             const bool isSecond = part.solid == pair.group[1];
-            const Place at = isSecond ? Place{part.soil, part.solid, part.node}
-                                      : Place{part.solid, part.soil, part.node};
+            const Place at =
+                isSecond ? Place{part.soil, part.solid, part.node} : Place{part.solid, part.soil, part.node};
             const auto node = std::lower_bound(
                 first, end, at, [&](const auto& its, const Place& p) { return placeOf(its) < p; });
-            if (node != end && placeOf(*node) == at) forces_[node - first] += (isSecond ? 1 : -1) * part.force;
+            if (node != end && placeOf(*node) == at)
+                forces_[node - first] += (isSecond ? 1 : -1) * part.force;
         }
     }
     void takeSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {

@@ -195,17 +195,17 @@ template <int Dim> class SharedCells {
     std::vector<int> near_;                    // cells with a node of a solid
     std::vector<int> touched_;    // nodes of fields where groups press on each other in this step
     std::vector<char> isTouched_; // of each of them, whether it is one of these
-    std::vector<char> isReached_;              // of each cell, while fillings are found
-    std::vector<int> air_;      // of these, the empty ones that have a way out through empty ones
-    std::vector<char> isAir_;   // of each cell, whether it is one of those
-    std::vector<char> isNear_;  // of each cell, whether it is near a solid,
-    std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
+    std::vector<char> isReached_; // of each cell, while fillings are found
+    std::vector<int> air_;        // of these, the empty ones that have a way out through empty ones
+    std::vector<char> isAir_;     // of each cell, whether it is one of those
+    std::vector<char> isNear_;    // of each cell, whether it is near a solid,
+    std::vector<double> solid_;   // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;
     std::vector<int> giverAt_; // of each number of a cell, -1: none
     SidesOfCells<Dim> sides_;
     std::map<int, Taker> takers_;
     std::map<std::pair<int, int>, double> fullness_; // of cells that were asked for, for a field
-    std::map<int, double> gaps_;     // of the takers, over their volume: opened since they were closed
+    std::map<int, double> gaps_; // of the takers, over their volume: opened since they were closed
     std::vector<Force> forces_, ofCells_;
 };
 
@@ -238,8 +238,7 @@ void SharedCells<Dim>::takeFluxes(const Scene<Dim>& scene, VelocityOf&& velocity
             const Vec<Dim> u = motion(giver, cornerOf(grid, cell, a), velocityOf);
             for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
         }
-        giver.flux =
-            (CellAverage<Dim>::grown(grid, cell, x, half_) - 1) * grid.volume(cell) / scene.dt;
+        giver.flux = (CellAverage<Dim>::grown(grid, cell, x, half_) - 1) * grid.volume(cell) / scene.dt;
         if (giver.ofSolids == 0) continue;
         Mat<Dim> L = Mat<Dim>::Zero();
         for (const Growth& solid : giver.solids)

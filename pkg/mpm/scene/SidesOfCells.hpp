@@ -56,7 +56,8 @@ template <int Dim> class SidesOfCells {
         int front = 0, across = 0;
         double half = 0; // thickness, m
         Vec<Dim> normal, middle, lower, upper;
-        std::map<int, double> along; // of rows of cells across the wall: where its middle is along the normal, m
+        std::map<int, double>
+            along; // of rows of cells across the wall: where its middle is along the normal, m
     };
     void add(const Scene<Dim>& scene, const typename PartedSoils<Dim>::Wall& wall);
     static int rowOf(const Grid<Dim>& grid, const Vec<Dim>& x, int across);

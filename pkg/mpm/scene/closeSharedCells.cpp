@@ -132,8 +132,8 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
             if (field >= 0 && !sides_.isOne(node))
                 volume += scratch_[sides_.place(field, node)] + sides_.beyond(grid, field, node) * hat_[node];
             else
-                volume += scratch_[node] +
-                          (sides_.areAny() ? scratch_[sides_.place(sides_.second(), node)] : 0);
+                volume +=
+                    scratch_[node] + (sides_.areAny() ? scratch_[sides_.place(sides_.second(), node)] : 0);
             for (size_t g = 0; g < volumes_.size(); ++g)
                 if (isSoil_[g]) volume += volumeOfSoil(scene, int(g), node, true);
             filled[number] += volume / hat_[node] / corners<Dim>;

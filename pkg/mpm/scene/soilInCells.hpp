@@ -26,7 +26,8 @@ template <int Dim> bool mayHaveMass(const Grid<Dim>& grid, const NodalField<Dim>
 template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int node, bool ofMeshes) {
     double density = 0;
     for (auto& body : scene.bodies)
-        if (density == 0 && body->velocityField == scene.groupOf[group] && (!ofMeshes || body->domains->mesh()))
+        if (density == 0 && body->velocityField == scene.groupOf[group] &&
+            (!ofMeshes || body->domains->mesh()))
             density = body->material->density;
     const auto& field = scene.grid.fields[group];
     return density > 0 && mayHaveMass(scene.grid, field, node)

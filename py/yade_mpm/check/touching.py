@@ -75,9 +75,9 @@ def _thinWall(scene, body, soils):
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two cells of {size:.3g} m, "
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
             "only half as far, and resists up to a quarter too little; if the wall stands between grid "
-            "lines, only a third to a half of its friction acts; add the soil on either side of its middle "
-            "plane as a body of its own, dry, of boxes, without rigid bodies and USF, and the wall parts it, "
-            f"or give cells of {thin / THIN:.3g} m at most"
+            "lines, only a third to a half of its friction acts; dry soil of boxes alone is parted by a "
+            "straight wall of half a cell or more, without rigid bodies and USF; else give cells of "
+            f"{thin / THIN:.3g} m at most"
         )
         return
 

@@ -10,8 +10,11 @@ from yade_mpm import box
 MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
 
 
-def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True, boxes=BOXES, **law):
-    """Messages about contact of a wall between soils; asOne: which are one body, if of one group."""
+def told(
+    wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True, beside=True, boxes=BOXES, **law
+):
+    """Messages about contact of a wall between soils; asOne: which are one body, if of one group; beside: and
+    a mesh, so that no wall parts them."""
 
     def block(lower, upper):
         return box(lower, upper) if dim == 2 else box((lower[0], 0, lower[1]), (upper[0], 1, upper[1]))
@@ -24,6 +27,8 @@ def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, asOne=True
     scene.add("front", front | behind if isBoth else front, elastic, boxes, group="soil")
     if back and not isBoth:
         scene.add("back", behind, elastic, boxes, group=back)
+    if beside and isBoth:
+        scene.add("mesh", block((7, 4), (8, 4.5)), elastic, MESH, group="soil")
     made = scene.add("wall", block((4, 0), (4 + thickness, 4)), elastic, wall, group="wall")
     if tilt:
         made.vertices[:, 0] += tilt * made.vertices[:, 1]
@@ -38,24 +43,25 @@ def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
     assert "if the wall moves sideways, the soil moves only half as far, and resists up to a quarter" in text
     assert "less than two cells of 0.5 m, with 'soil' on both sides" in text
     assert text.endswith("give cells of 0.25 m at most")
-    assert "add the soil on either side of its middle plane as a body of its own" in text
-    assert told(MESH, dim=dim, asOne=False) == []  # the wall parts it
+    assert "dry soil of boxes alone is parted by a straight wall of half a cell or more" in text
+    assert told(MESH, dim=dim, beside=False) == []  # the wall parts it
+    assert told(MESH, dim=dim, asOne=False) == []
     assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells
     assert told(MESH, back=None, dim=dim) == []  # control: soil on one side
 
 
 def test_a_wall_thinner_than_half_a_cell_is_warned_of_though_it_parts_soil():
     fine = mpm.UGIMP(perCell=4)
-    (text,) = told(MESH, thickness=0.25, cell=1.0, asOne=False, boxes=fine)
+    (text,) = told(MESH, thickness=0.25, cell=1.0, beside=False, boxes=fine)
     assert "is 0.25 m thick at (4.25, 0.125), less than half a cell of 1 m" in text
     assert text.endswith("give cells of 0.5 m at most")
-    assert told(MESH, thickness=0.5, cell=1.0, asOne=False, boxes=fine) == []
+    assert told(MESH, thickness=0.5, cell=1.0, beside=False, boxes=fine) == []
 
 
 def test_walls_that_lean_are_found_too():
     (text,) = told(MESH, thickness=0.75, tilt=0.1)
     assert "'wall' is 0.746 m thick" in text
-    assert told(MESH, thickness=0.75, tilt=0.1, asOne=False) == []
+    assert told(MESH, thickness=0.75, tilt=0.1, beside=False) == []
     assert told(MESH, thickness=1.25, tilt=0.1) == []
 
 

@@ -25,6 +25,19 @@ template <int Dim> struct SurroundingNodes {
     }
 };
 
+// The cell of a place along an axis, and the part of it that lies below the place. What is nearer to a line than `onLine`
+// lies on it: on which side of a line round-off puts a surface must not tell.
+struct PlaceInCell {
+    static constexpr double onLine = 1e-6; // cells
+    double below;                          // the line below, in cells
+
+    explicit PlaceInCell(double cells) : below(std::floor(cells + onLine)) {}
+    double partOf(double cells) const {
+        const double part = cells - below;
+        return part < onLine ? 0 : part > 1 - onLine ? 1 : part;
+    }
+};
+
 template <int Dim> class NearbyNodes {
   public:
     Vec<Dim> lower, upper; // of a box that holds all that is near
@@ -74,9 +87,9 @@ template <int Dim> class NearbyNodes {
         int first = 0;
         for (int k = 0; k < Dim; ++k) {
             const double c = grid.inCells(x[k], k);
-            const double below = std::floor(c);
-            first += int(below) * grid.strides[k];
-            part[k] = c - below;
+            const PlaceInCell place(c);
+            first += int(place.below) * grid.strides[k];
+            part[k] = place.partOf(c);
         }
         for (int corner = 0; corner < SurroundingNodes<Dim>::size; ++corner) {
             int node = first;

@@ -25,7 +25,8 @@ constexpr double leastArea = 0.05;
 constexpr double leastMeanNormal = 0.1;
 
 // Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are
-// meshes; vertices at edges have no such plane, and count by themselves.
+// meshes; vertices at edges have no such plane, and count by themselves. Of those that are equally near but for round-off
+// the plane that reaches farther, whichever comes first; a cell away none.
 template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     if (!pair.isExplicit[side]) return;
     const Grid<Dim>& grid = pair.grid();
@@ -44,9 +45,12 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
                 const Vec<Dim> outward =
                     pair.isBonded(node) ? Vec<Dim>(vertex.outward + vertex.hidden) : vertex.outward;
                 const double size = outward.norm(), facing = sign * outward.dot(contact->normal) / size;
-                if (beside > h * h || beside >= seen.nearest || !(facing > leastFacing)) return;
-                seen.nearest = beside;
-                seen.reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
+                const double alike = PlaceInCell::onLine * h * h; // m2
+                if (beside > h * h - alike || beside > seen.nearest + alike || !(facing > leastFacing))
+                    return;
+                const double reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
+                seen.reach = beside < seen.nearest - alike ? reach : std::max(seen.reach, reach);
+                seen.nearest = std::min(seen.nearest, beside);
             });
         }
     });

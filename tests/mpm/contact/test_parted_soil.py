@@ -71,11 +71,14 @@ def test_soil_whose_group_has_a_mesh_moves_half_as_far():
 def test_a_wall_pushed_through_one_body_meets_passive_less_active_pressure():
     scene, soils, wall = pushed()
     drive = scene.engines[1].drives[0]
+    scene.run(until=WAY / SPEED, progress=False)
+    before = drive.impulse[0]
     scene.run(until=2 * WAY / SPEED, progress=False)
+    load = (drive.impulse[0] - before) / (WAY / SPEED)  # single steps swing by some percent
     gained = -mpm.diagnostics.energyError(scene)
     K = 3.0  # of 30 degrees
     exact = 0.5 * 18 * 2**2 * (K - 1 / K) + 2 * 0.5 * K**0.5 * 2
-    assert drive.reaction[0] == pytest.approx(exact, rel=0.1)
+    assert load == pytest.approx(exact, rel=0.1)
     assert gained < 0.02 * drive.work
 
 

@@ -17,13 +17,10 @@ WIDTH = 0.05715  # m, of the water
 FRONT = (1.19, 1.43, 1.63, 1.83, 1.98, 2.20, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11), np.linspace(1.44, 3.89, 12)
 LENGTH, RODS = 0.1, 0.2  # m, of the columns of sand and of rods
 FLIP = 0.99  # share of their own velocity that grains keep
-GRAIN, DEEP = 0.53e-3, 20  # m, of glass beads; of them in the depth of the layer on the chute
-SLOW, FAST, STOP, FROUDE = (
-    tan(radians(20.9)),
-    tan(radians(32.76)),
-    1.65,
-    0.136,
-)  # -; of glass beads on rough planes
+GRAIN, DEEP = 0.53e-3, 20  # m, size of the glass beads; their number in the depth of the layer on the chute
+# Glass beads on rough planes (Forterre & Pouliquen 2003): friction of slow and of fast flow, factor of the
+# depth at which a layer stops, and of the velocity over sqrt(g h) by the depth over that one.
+SLOW, FAST, STOP, FROUDE = tan(radians(20.9)), tan(radians(32.76)), 1.65, 0.136
 
 CELLS = Parameter("cells", 10, "cells in the width of the water and of a column", whole=True, least=4)
 ASPECTS = Parameter("aspects", [0.5, 1.0, 2.0, 4.0], "heights of columns over lengths", several=True, above=0)

@@ -112,7 +112,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
     std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
     void stateFromStress(const double*, double*) const override {}
 
-    // function(count, numbers, planes): see yade_mpm/material/pythonLaw.py.
+    // function(count, numbers, planes): see yade_mpm/material/outside.py.
     void use(const bp::object& function) { function_ = function; }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {

@@ -43,7 +43,7 @@ template <int Dim> class CarriedForces {
                     const ContactPair<Dim>& pair) {
         forces_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
         const auto first = search.nodes.begin() + pair.firstNode, end = search.nodes.begin() + pair.endNode;
-        using Place = std::array<int, 3>; // two fields and a node, in their order
+        using Place = std::array<int, 3>; // both fields and the node: the order of contact nodes
         const auto placeOf = [](const auto& its) { return Place{its.field[0], its.field[1], its.node}; };
         for (const auto& part : cells.forces()) {
             const bool isSecond = part.solid == pair.group[1];

@@ -219,7 +219,7 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pa
         for (int i = 0; i < at.count; ++i) {
             ContactNode<Dim>& contact = search.nodes[at.at[i]];
             for (int side = 0; side < 2; ++side) contact.friction[side] += at.S[side][i] * along;
-            if (at.S[0][i] == 0 && at.S[1][i] == 0) continue; // of a site on a line of the grid
+            if (at.S[0][i] == 0 && at.S[1][i] == 0) continue; // beside a site on a line of the grid
             contact.touches |= site.presses;
             contact.slides |= !site.sticks;
         }

@@ -25,8 +25,8 @@ template <int Dim> struct SurroundingNodes {
     }
 };
 
-// The cell of a place along an axis, and the part of it that lies below the place. What is nearer to a line than `onLine`
-// lies on it: on which side of a line round-off puts a surface must not tell.
+// The cell of a place along an axis, and the part of it that lies below the place. A place that is nearer to a line than
+// `onLine` lies on it: sites of contact must not depend on the side of the line where round-off puts a surface.
 struct PlaceInCell {
     static constexpr double onLine = 1e-6; // cells
     double below;                          // the line below, in cells

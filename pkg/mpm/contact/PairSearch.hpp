@@ -90,10 +90,9 @@ template <int Dim> struct PairSearch {
 
     // Whether a vertex lies on a plane of symmetry across an axis: constraints hold both groups there.
     bool isOnPlane(const Vertex& vertex, int axis) const {
-        constexpr double near = 1e-6; // cells
         return vertex.across[axis] > 0 && areBothHeld(vertex.node, axis) &&
                std::abs(vertex.position[axis] - grid().nodePosition(vertex.node)[axis]) <
-                   near * grid().sizeAt(vertex.position)[axis];
+                   PlaceInCell::onLine * grid().sizeAt(vertex.position)[axis];
     }
     // Facets on a plane of symmetry are no surface: the surface goes on beyond.
     Vertex withoutPlanes(Vertex vertex) const {

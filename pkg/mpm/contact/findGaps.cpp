@@ -25,8 +25,8 @@ constexpr double leastArea = 0.05;
 constexpr double leastMeanNormal = 0.1;
 
 // Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are
-// meshes; vertices at edges have no such plane, and count by themselves. Of those that are equally near but for round-off
-// the plane that reaches farther, whichever comes first; a cell away none.
+// meshes; vertices at edges have no such plane, and count by themselves. Of vertices that are equally near but for
+// round-off the one whose plane reaches farther counts, whichever comes first. A vertex a cell away does not count.
 template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     if (!pair.isExplicit[side]) return;
     const Grid<Dim>& grid = pair.grid();
@@ -45,7 +45,7 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
                 const Vec<Dim> outward =
                     pair.isBonded(node) ? Vec<Dim>(vertex.outward + vertex.hidden) : vertex.outward;
                 const double size = outward.norm(), facing = sign * outward.dot(contact->normal) / size;
-                const double alike = PlaceInCell::onLine * h * h; // m2
+                const double alike = PlaceInCell::onLine * h * h; // m2, round-off of `beside`
                 if (beside > h * h - alike || beside > seen.nearest + alike || !(facing > leastFacing))
                     return;
                 const double reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
@@ -77,7 +77,8 @@ template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     });
 }
 
-// A plane of symmetry has half of the face of a cell on this side.
+// Whether a node feels more than a small part of the face of a cell. Of a face across a plane of symmetry half lies
+// on this side.
 template <int Dim> bool isFelt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact) {
     const Grid<Dim>& grid = pair.grid();
     const Index<Dim> at = grid.indices(contact.node);

@@ -55,8 +55,8 @@ void addParts(PairSearch<Dim>& pair, int side,
     }
 }
 
-// What looks along an axis that constraints hold on both sides is no surface: on a plane of symmetry it goes on
-// beyond.
+// Facets that look along an axis which constraints hold for both groups are no surface: beyond the plane of symmetry the
+// bodies go on.
 template <int Dim> void leaveOutHeld(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     for (int k = 0; k < Dim; ++k)
         if (pair.areBothHeld(contact.node, k))

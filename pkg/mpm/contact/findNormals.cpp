@@ -120,7 +120,7 @@ template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, 
     return momentum / mass; // the node itself has some
 }
 
-// How an edge moves towards the other group.
+// How an edge moves towards the other group, m/s, along the axes that are not held for both.
 template <int Dim> Vec<Dim> approachOf(const PairSearch<Dim>& pair, int side, int node) {
     Vec<Dim> velocity = meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node);
     for (int k = 0; k < Dim; ++k)
@@ -142,7 +142,7 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
     }
     if (pair.edges[side] == 0) return;
     pair.motion[side] /= pair.edges[side];
-    // Of which all facets of an edge count besides.
+    // All facets of an edge count as if they closed with this speed besides, m/s.
     const auto leastSpeed = [&](int node) {
         return restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt;
     };

@@ -21,10 +21,10 @@ constexpr double furthest = 0.5;
 // with twice the value the block resists 10 % more.
 constexpr double leastFacingArea = 0.4;
 // Part of the area of a node that contact points may own before they do all that it would: at the end of a plane
-// they own half of it. With half the value that block resists 1.5 % less, without a bound 11 % more. Regular meshes meet
-// this part just so, as beside an edge without points where two domains go to a cell: they own enough then, whatever
-// round-off says.
+// they own half of it. With half the value that block resists 1.5 % less, without a bound 11 % more.
 constexpr double mostOwned = 0.75;
+// Points of a regular mesh may own exactly that part, as beside an edge without points where two domains go to a cell.
+// A part that is less by round-off is enough, too.
 constexpr double roundOffOfOwned = 1e-6;
 
 // Part of a mesh at a point that boxes face, below which their surface ends there.

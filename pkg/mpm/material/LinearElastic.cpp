@@ -56,8 +56,8 @@ class LinearElastic : public StiffeningOf<LinearElastic> {
 
 b is the elastic left Cauchy-Green tensor; J is the ratio of current to initial domain volume. An initial
 stress is the elastic strain from an unstressed state, while J counts from the initial one. With pressureExponent the
-moduli are those at P = sqrt(p^2 + (K/mu) J2) of the Kirchhoff stress: they derive from an energy, and grow in tension and
-shear, too.
+moduli are those at P = sqrt(p^2 + (K/mu) J2) of the Kirchhoff stress: the stress derives from an energy, and the moduli
+grow in tension and shear, too.
 
 Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computational Inelasticity, ch. 9; Houlsby, Amorosi
 & Rojas 2005, Geotechnique 55, 383-392 (moduli of the pressure with an energy).)";

@@ -21,8 +21,8 @@ class NeoHookean : public StiffeningOf<NeoHookean> {
 
 J is taken from F and not from the domain volume, so that the stress derives from one strain energy; under
 rotation the polygon volume of an APDI domain differs from it by O(dt). The stress is zero at F = I: there
-is no initial stress. With pressureExponent the moduli are those at P = sqrt(2 K W), W the energy with constant moduli, of
-which the stress then derives, too.
+is no initial stress. With pressureExponent the moduli follow P, which grows with P0 = sqrt(2 K W) as a pressure does
+with its strain; W is the energy with constant moduli. The stress derives from an energy then, too.
 
 Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
     }

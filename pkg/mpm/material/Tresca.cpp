@@ -38,8 +38,8 @@ class Tresca : public StiffeningOf<Tresca> {
 su_0 is the undrainedStrength of a particle as it was placed: a number, a function of position, a profile or an
 array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3 (with
 softeningLength a mean over neighbours); m the rateFactor for each factor of ten of the rate of shear d1 - d3.
-Stress is total, also in pressureExponent; the volume changes elastically (give poisson = 0.49). With rigidity in place of young,
-mu = rigidity su_0 of each particle. The return to the hexagon is exact, edges included.
+Stress is total, and so is the pressure of pressureExponent; the volume changes elastically (give poisson = 0.49). With
+rigidity in place of young, mu = rigidity su_0 of each particle. The return to the hexagon is exact, edges included.
 
 Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
 173-182.)";

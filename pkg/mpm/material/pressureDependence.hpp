@@ -23,10 +23,10 @@ class PressureDependence {
              &smallest, Range::positive()}};
     }
 
-    // What the moduli are multiplied by at a pressure.
+    // Factor on the moduli at a pressure.
     double tangent(double p) const { return of(1).stiffness(p); }
-    // The same, of a step from the pressure p with the elastic strain e: exactly what the pressure gains over bulk e, so
-    // that it comes back along the same strains.
+    // Factor on the moduli in a step from the pressure p with the elastic volumetric strain e: what the pressure gains
+    // over bulk e, exactly, so that the same strains backwards lead back to p.
     double overStep(double bulk, double p, double e) const {
         const PressureStiffness law = of(bulk);
         if (e == 0) return tangent(p);
@@ -39,8 +39,8 @@ class PressureDependence {
         return (law.pull(law.strain(p) + e) - p) / (bulk * e);
     }
 
-    // Of a law with a potential W of the strain, that with its moduli constant gives the pressure P_0 = sqrt(2 K W): the
-    // pressure on the same strain. It is a size of the stress, P^2 = p^2 + K/mu J2 of a linear law.
+    // For a law with a potential W(strain). With constant moduli P_0 = sqrt(2 K W) is the size of its stress: of a linear
+    // law P_0^2 = p^2 + K/mu J2. pressure() is the size P with this dependence at the same strain, linear() P_0 of P.
     double pressure(double bulk, double linear) const {
         const PressureStiffness law = of(bulk);
         return law.pull(linear / bulk - smallest / law.stiffness(smallest));

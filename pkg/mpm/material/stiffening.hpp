@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elastic moduli that follow the pressure, for any law with constant ones: StiffeningOf stands between MaterialOf and the
-// law, whose text does not know of it.
+// law, whose equations do not change.
 //
 // A law with a potential W(strain) gets the potential Phi(W), hence its stress times Phi'(W): closed cycles leave no
 // energy (as Houlsby, Amorosi & Rojas 2005, Geotechnique 55, 383-392). A law whose stress is the memory is hypoelastic,
@@ -49,7 +49,8 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived> {
         else
             eachWithItsModuli(points);
     }
-    // Not below those of any direction.
+    // Of each particle at its present pressure. With a potential no direction is stiffer: across the stress the secant
+    // acts, which is at most the tangent.
     template <int N> void findStiffness(const MaterialPoints<N>& points, double* lambda, double* mu) const {
         const std::array<double, 2> moduli = self().moduli();
         std::fill_n(lambda, points.count, moduli[0]);
@@ -82,12 +83,12 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived> {
   protected:
     PressureDependence pressure_;
 
-    // Of the moduli of particle i in the step, before its stress is found.
+    // Factor on the moduli of particle i in the step; points still have the stress at its start.
     template <int N> double factorOf(const MaterialPoints<N>& points, int i) const {
         if (!pressure_.isGiven()) return 1;
         return pressure_.overStep(bulk(), -invariants(points, i).mean, -volumetricStrain(points, i));
     }
-    // What the potential multiplies the stress by, where it becomes this one.
+    // The factor P/P_0 that is in this stress, of a law with a potential.
     double secantAt(const double stress[9]) const {
         if (!pressure_.isGiven()) return 1;
         const double mean = (stress[0] + stress[4] + stress[8]) / 3;
@@ -133,7 +134,8 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived> {
                 std::sqrt(2 * bulk() * std::max(0.0, all[i]) * points.volume[i] / points.initialVolume[i]);
         return all;
     }
-    // That which the moduli follow; with a potential from the strain, by a step of no length.
+    // The pressure that the moduli of each particle follow. With a potential it comes from the strain: the law answers a
+    // step of no length.
     template <int N> std::vector<double> pressures(const MaterialPoints<N>& points) const {
         std::vector<double> all(points.count);
         if constexpr (!Derived::hasPotential) {

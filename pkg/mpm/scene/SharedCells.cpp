@@ -209,7 +209,7 @@ template <int Dim> void SharedCells<Dim>::findSolids(const Scene<Dim>& scene) {
     }
 }
 
-// Of a cell, to the soil on its side.
+// The part of a cell that solids leave to the soil, on its side of a wall.
 template <int Dim> double SharedCells<Dim>::openPart(const Grid<Dim>& grid, int number) const {
     const int cell = sides_.inGrid(number), field = sides_.fieldOf(number);
     return field < 0 ? std::clamp(1 - solid_[cell], 0.0, 1.0) : sides_.open(grid, field, cell);
@@ -338,7 +338,7 @@ template <int Dim> void SharedCells<Dim>::takeVolumes(const Scene<Dim>& scene) {
         }
 }
 
-// What of the motion of a group at a corner of a giver counts for the flux.
+// The weight of the velocity of a group in the motion of a corner of a giver.
 template <int Dim> double SharedCells<Dim>::partOf(const Giver& giver, int group, int node) const {
     const double own = volumeOf(group, node);
     if (own == 0) return 0;

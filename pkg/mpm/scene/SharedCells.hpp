@@ -98,7 +98,8 @@ template <int Dim> class SharedCells {
             for (size_t g = 0; g < volumes_.size(); ++g) f(node, int(g), volumeOf(int(g), node));
     }
 
-    // Takes note that the groups of two fields press on each other at a node; and then lets takers close, from the next step on.
+    // Takes note that the groups of two fields press on each other at a node. closeTouched() then lets takers close, from
+    // the next step on.
     void touch(const int (&fields)[2], int node) {
         const bool isOfSecond = sides_.areAny() && std::max(fields[0], fields[1]) == sides_.second();
         const auto mark = [&](int place) {
@@ -193,10 +194,10 @@ template <int Dim> class SharedCells {
     std::vector<double> hat_;                  // integrals of the hat functions over the grid, m3
     std::vector<double> scratch_;              // zero
     std::vector<int> near_;                    // cells with a node of a solid
-    std::vector<int> touched_;    // nodes of fields where groups press on each other in this step
-    std::vector<char> isTouched_; // of each of them, whether it is one of these
+    std::vector<int> touched_;    // places of nodes where groups press on each other in this step
+    std::vector<char> isTouched_; // of each place, see SidesOfCells, whether it is one of these
     std::vector<char> isReached_; // of each cell, while fillings are found
-    std::vector<int> air_;        // of these, the empty ones that have a way out through empty ones
+    std::vector<int> air_;        // cells near solids that are empty and have a way out through empty ones
     std::vector<char> isAir_;     // of each cell, whether it is one of those
     std::vector<char> isNear_;    // of each cell, whether it is near a solid,
     std::vector<double> solid_;   // and what part of it solids fill, by its corners: smooth as they move
@@ -209,7 +210,7 @@ template <int Dim> class SharedCells {
     std::vector<Force> forces_, ofCells_;
 };
 
-// What a corner of a giver moves by.
+// The velocity u_i of a corner of a giver, m/s.
 template <int Dim>
 template <class VelocityOf>
 Vec<Dim> SharedCells<Dim>::motion(const Giver& giver, int node, VelocityOf&& velocityOf) const {

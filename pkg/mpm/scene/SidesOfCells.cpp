@@ -12,10 +12,12 @@ namespace mpm {
 
 namespace {
 
-// How far beyond where a wall parts the soil its cells may lie, in cells.
+// How far beyond the places where a wall parts the soil a cell may lie that belongs to this wall, in cells: cells with a
+// node on which the soil is two lie up to one beyond, and those beside them up to two.
 constexpr double mostBeyond = 2;
 
-// What lies below x, in cells: of a hat function, and of the mean of those at both ends of a cell round its middle.
+// The part of an integral that lies below x, in cells: of a hat function, x from its node; of the mean of the hat functions
+// at both ends of a cell, x from its middle.
 double ofHat(double x) {
     if (x > 0) return 1 - ofHat(-x);
     return x < -1 ? 0 : 0.5 * (1 + x) * (1 + x);

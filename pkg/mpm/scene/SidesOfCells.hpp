@@ -20,7 +20,7 @@ template <int Dim> class SidesOfCells {
     int fieldOf(int number) const {
         return !isParted_ || !isParted_[inGrid(number)] ? -1 : number < count_ ? first_ : second_;
     }
-    // Of a place in arrays that have room for both fields.
+    // The place of a node or cell in arrays that have room for both fields.
     int place(int field, int node) const { return isParted_ && field == second_ ? node + count_ : node; }
     bool areAny() const { return isParted_; }
     int first() const { return first_; }
@@ -32,8 +32,8 @@ template <int Dim> class SidesOfCells {
         f(cell);
         if (isParted_ && isParted_[cell]) f(cell + count_);
     }
-    // f(number, along how many axes it is beside, part) for the cells beside one that go on where its field does. part: of
-    // their volume, on that side.
+    // f(number, along how many axes it is beside, part) for the cells beside one in which its field goes on; part: of the
+    // volume of that cell, on the side of the field.
     template <class F> void forBeside(const Grid<Dim>& grid, int number, F&& f) const {
         const int field = fieldOf(number);
         forAround(grid, inGrid(number), [&](int cell, int axes) {
@@ -44,20 +44,19 @@ template <int Dim> class SidesOfCells {
         });
     }
 
-    // Of the volume of a cell, on the side of a field of the middle of the wall.
+    // The part of a cell that lies on the side of a field, up to the middle of the wall.
     double part(const Grid<Dim>& grid, int field, int cell) const;
-    // The same of what lies before the wall, by the hat functions of the corners: smooth as the wall moves.
+    // The part that lies before the near face of the wall, by the hat functions of the corners: smooth as the wall moves.
     double open(const Grid<Dim>& grid, int field, int cell) const;
-    // Of the integral of the hat function of a node, beyond the wall.
+    // The part of the integral of a node's hat function that lies beyond the far face of the wall.
     double beyond(const Grid<Dim>& grid, int field, int node) const;
 
   private:
     struct Plane {
         int front = 0, across = 0;
-        double half = 0; // thickness, m
+        double half = 0; // of the thickness, m
         Vec<Dim> normal, middle, lower, upper;
-        std::map<int, double>
-            along; // of rows of cells across the wall: where its middle is along the normal, m
+        std::map<int, double> along; // middle of the wall along the normal, m, by row of cells across it
     };
     void add(const Scene<Dim>& scene, const typename PartedSoils<Dim>::Wall& wall);
     static int rowOf(const Grid<Dim>& grid, const Vec<Dim>& x, int across);

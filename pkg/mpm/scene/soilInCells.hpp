@@ -43,7 +43,7 @@ template <int Dim> double coverOf(const Scene<Dim>& scene, int group, int cell) 
     return sum;
 }
 
-// Of what a cell has of a parted soil, by its number: that on one side.
+// The volume of a parted soil in a cell, over that of the cell, on the side of the cell's number.
 template <int Dim> double coverOnSide(const Scene<Dim>& scene, int group, int number) {
     double sum = 0;
     for (auto& body : scene.bodies) {

@@ -10,7 +10,7 @@
 
 namespace mpm {
 
-// m, of a mesh with a normal that is nearest to an axis, from its volume and how long it is along the other ones.
+// m, of a mesh whose normal is nearest to the axis `across`: its volume over its lengths along the other axes.
 template <int Dim> double thicknessOf(Body<Dim>& body, const Vec<Dim>& normal, int across) {
     const Field& X = body.domains->mesh()->vertexPositions();
     const double* V = body.particles.initialVolume.plane();

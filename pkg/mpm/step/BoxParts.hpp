@@ -25,19 +25,19 @@ namespace mpm {
 template <int Dim> class MarkedCells {
   public:
     void reset(const Grid<Dim>& grid) {
-        for (int cell : cells_) isMarked_[cell] = 0;
+        for (int cell : cells_) mark_[cell] = 0;
         cells_.clear();
         edges_.clear();
-        isMarked_.resize(grid.count);
+        mark_.resize(grid.count);
         inside_.resize(grid.count);
         number_.resize(grid.count);
         outermost_ = 0;
     }
     void add(int cell) {
-        if (!isMarked_[cell]) cells_.push_back(cell);
-        isMarked_[cell] = true;
+        if (!mark_[cell]) cells_.push_back(cell);
+        mark_[cell] = 1;
     }
-    // By the cells round the outermost.
+    // Marks the cells round the outermost ones, too.
     void widen(const Grid<Dim>& grid) {
         const size_t first = std::exchange(outermost_, cells_.size());
         for (size_t i = first; i < outermost_; ++i)
@@ -49,30 +49,30 @@ template <int Dim> class MarkedCells {
     template <class F> void setInside(F&& of) {
         for (int cell : cells_) inside_[cell] = of(cell);
     }
-    // Of those that may be one: cells which have one beside them with another share, and all of those marked.
+    // An edge is a cell that may be one, has a cell beside it with another share, and none that is not marked.
     template <class MayBe> void findEdges(const Grid<Dim>& grid, MayBe&& mayBe) {
         for (size_t i = 0; i < cells_.size(); ++i) {
             const int cell = cells_[i];
             if (!mayBe(cell)) continue;
             const double inside = inside_[cell];
             if (!anyAround(grid, cell, [&](int other) { return inside_[other] != inside; })) continue;
-            if (i < outermost_ || !anyAround(grid, cell, [&](int other) { return !isMarked_[other]; }))
+            if (i < outermost_ || !anyAround(grid, cell, [&](int other) { return !mark_[other]; }))
                 edges_.push_back(cell);
         }
         std::sort(edges_.begin(), edges_.end());
         for (size_t e = 0; e < edges_.size(); ++e) {
-            isMarked_[edges_[e]] = 2;
+            mark_[edges_[e]] = 2;
             number_[edges_[e]] = int(e);
         }
     }
     const std::vector<int>& edges() const { return edges_; } // their numbers rise
-    bool isEdge(int cell) const { return isMarked_[cell] == 2; }
+    bool isEdge(int cell) const { return mark_[cell] == 2; }
     int numberOf(int edge) const { return number_[edge]; }
     double inside(int cell) const { return inside_[cell]; }
     bool empty() const { return cells_.empty(); }
 
   private:
-    std::vector<char> isMarked_;
+    std::vector<char> mark_;     // 0: none, 1: marked, 2: an edge, too
     std::vector<double> inside_; // s, of marked ones
     std::vector<int> number_;    // of edges, among them
     std::vector<int> cells_, edges_;
@@ -160,7 +160,7 @@ template <int Dim> class BoxParts {
   private:
     static constexpr int block = Dim == 2 ? 16 : 64; // nodes of a cell and of those round it
 
-    // Of a cell that counts boxes: volume of all parts, times s_c - s_j, what flows into them, and its nodes_.
+    // A cell that counts boxes: its nodes_, the volume of all parts times s_c - s_j, and what flows into them.
     struct Own {
         int number, first, end = 0;
         double volume = 0, flux = 0; // m3, m3/s
@@ -169,8 +169,8 @@ template <int Dim> class BoxParts {
         int node;
         Vec<Dim> slope; // m2, the sum of (s_c - s_j) V_j grad S
     };
-    // A part along one axis: of the box; hat functions of the two nodes at its centre, their slope, 1/m; the lower
-    // node, from that before the cell of the box.
+    // A part of a box along one axis: its share of the box; hat functions of the two nodes at its centre, their slope,
+    // 1/m; the lower node, counted from the one before the cell of the box.
     struct Along {
         double share = 1, hat[2] = {0, 0}, slope = 0;
         int node = 1;
@@ -229,7 +229,7 @@ template <int Dim> class BoxParts {
         }
         return all;
     }
-    // Adds those of the hat functions at the centre of a part.
+    // Adds the slopes of the hat functions at the centre of a part, times its volume.
     static void addSlopes(const Along* const part[Dim], double volume, Vec<Dim>* sums) {
         for (int a = 0; a < corners<Dim>; ++a) {
             int node = 0;

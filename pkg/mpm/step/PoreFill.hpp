@@ -66,7 +66,7 @@ template <int Dim> class PoreFill {
 
     const Cell& operator[](int number) const { return cells_[number]; }
     const std::vector<int>& touched() const { return touched_; } // cells with anything, by number
-    // Between the points of a cell and those of the next one along an axis, m; where there are several groups.
+    // The gap between the points of a cell and those of the next one along an axis, m. Known with several groups only.
     double gap(int cell, int next, int axis) const { return ends_[next][0][axis] - ends_[cell][1][axis]; }
     bool isClosed(const Grid<Dim>& grid, int number) const {
         return cells_[number].strange > fullFrom * grid.volume(number);

@@ -198,7 +198,7 @@ template <int Dim> class PoreMatrix {
         for (int k = Dim - 1; k >= 0; --k) step = 3 * step + 1 + int(cornerSign(a, k) - cornerSign(b, k)) / 2;
         return step;
     }
-    // What rows are made of goes to the places in the grid.
+    // Copies what rows are made of to the places of the cells and nodes.
     void spreadFlows(ParallelRegion& region, const PoreSystem<Dim>& system) {
         region.chunksNoWait(unknowns_, [&](int begin, int end) {
             for (int c = begin; c < end; ++c) {

@@ -47,7 +47,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     };
     // Excess and flow in a cell, both linear.
     template <int Dim> struct InCell {
-        double excess;              // that the line has at the origin, kPa
+        double excess;              // at the origin, kPa
         Vec<Dim> slope, flow, gain; // kPa/m; m/s at the origin; growth of each component along its axis, 1/s
     };
     template <int Dim> struct State {
@@ -56,7 +56,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
         PoreFill<Dim> fill;
         PoreSolids<Dim> solids;
         std::vector<int> numbers; // of the cells with an unknown
-        std::vector<char> isDone; // of each cell of the grid, whether no particle of a body has to act there
+        std::vector<char> isDone; // of each cell of the grid, whether its particles need not act one by one
         std::vector<Mover<Dim>> movers; // in the order of the nodes
         ImpulseResponse<Dim> response;
         std::vector<Vec<Dim>> impulses, changes;                    // of the nodes that respond

@@ -44,18 +44,19 @@ class Beam:
     EI : kN m2/m, bending stiffness, per metre of width (of piles in a row: of one over their spacing).
     EA : kN/m, axial stiffness.
     weight : Mg/m2, mass by the area of the wall.
-    thickness : m, of its mesh, for contact: two cells or more where soil is on both sides.
+    thickness : m, of its mesh, for contact: two cells or more where soil is on both sides, half a cell where
+        this is dry.
     GA : kN/m, shear stiffness; default None: no shear strain.
     limitMoment : kN m/m, moment at which a plastic hinge turns, in 3D largest principal moment; default
         None: elastic. In 3D not with GA.
     size : m, between cross-sections, one to two cells; default: a cell.
 
     `region` is the place that it takes. Its mass is spread over the thickness of the mesh. The particles hold
-    the forces by the metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D across the width `hoopForce`,
-    `hoopShear`, `hoopMoment`, and `membraneShear`, `twistingMoment`.
+    the forces per metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D those along the width, too
+    (`hoopForce`, `hoopShear`, `hoopMoment`), `membraneShear` and `twistingMoment`.
 
     Raises ValueError for a line that turns by more than 90 degrees, a width that is not across it, numbers
-    that are not positive; `scene.add` for domains shorter than a cell.
+    that are not positive, GA and limitMoment in 3D; `scene.add` for domains shorter than a cell.
 
     Source: MacNeal 1978, Computers & Structures 8, 175-183, in each direction.
     """
@@ -145,8 +146,8 @@ class Beam:
     def _drawnFaces(self, faces, along):
         """The right face and the left one (S, W, 3), which is on the side of line x width, from a profile."""
         drawn = [np.empty((len(faces[0]), len(along), 3)) for _ in faces]
-        for face, all in zip(faces, drawn):
-            all[..., self._plane], all[..., self._axis] = face[:, None], along
+        for face, points in zip(faces, drawn):
+            points[..., self._plane], points[..., self._axis] = face[:, None], along
         u, v = np.eye(3)[self._plane]
         return drawn if np.cross(u, self.width) @ v > 0 else drawn[::-1]
 
@@ -203,8 +204,8 @@ def _mesh(right, left, isClosed, across):
 
 
 def _betweenFibres(own, isClosed):
-    """Numbers of all fibres, ALONG times as dense as those that stand by themselves, `own` (S, W), and of
-    those between, numbered behind: up to four masters, -1 for none, and their weights (N, 4)."""
+    """Numbers of all fibres, ALONG times as dense as those that stand by themselves, `own` (S, W). Of the
+    fibres between, which are numbered behind these: up to four masters, -1 for none, and weights (N, 4)."""
     shape = [ALONG * (n - 1) + 1 for n in own.shape]
     place = np.indices(shape)
     part = place % ALONG / ALONG

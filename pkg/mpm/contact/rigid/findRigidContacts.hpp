@@ -36,7 +36,7 @@ class NearContacts {
         Key key;
         Vec3 normal, point, edge;
     };
-    // One that was found, with the body and the id of its point in one number: most differ in that.
+    // A contact of found_, with the body and the id of its point in one number: most contacts differ in that.
     struct Place {
         uint64_t point;
         int found;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A mesh that resists like a beam or, in 3D, a plate: elements between fibres, with the state of their material
-// (material/BeamSection.cpp). The vertices are first those of the fibres, each from the right face to the left one
-// (BeamTies.hpp). All others hang on those of the fibres round them. The domains of an element follow each other, in
-// stacks from the right face to the left one: in each stack one corner is a fibre, in their order two along the line, in
-// 3D four round the rectangle.
+// (material/BeamSection.cpp). A fibre is a row of vertices from the right face to the left one (BeamTies.hpp). The
+// vertices are first those of the fibres, one fibre after the other; all others hang on the fibres round them. An element
+// has a stack of domains at each of its fibres, two along the line, in 3D four round the rectangle. Its domains follow
+// each other stack by stack, each stack from the right face to the left one.
 #pragma once
 
 #include "mpm/particle/apdi/BeamElement.hpp"
@@ -33,7 +33,8 @@ template <int Dim> class Beam {
         const int ofFibres = hanging.slaves[0], ofElement = stacks * across;
         require(across > 0 && ofFibres % perFibre == 0 && mesh.domains() % ofElement == 0,
                 "Beam: its mesh is not one of domains between cross-sections; make it by mpm.Beam");
-        std::set<int> tied; // fibres, by the element that they are the first one of, if there is one
+        // Fibres that have their ties. The element whose first fibre it is gives a fibre its ties, if there is one.
+        std::set<int> tied;
         for (int first = 0; first < mesh.domains(); first += ofElement) {
             Vertices corner;
             for (int f = 0; f < stacks; ++f) {

@@ -6,9 +6,9 @@
 // BeamEdge varies linearly from one edge to the other, so its mean counts in full, and half of the difference by a
 // third. Besides there are, with the edges a and b of the middle plane, its corners m and its warp w,
 //     membrane shear a.b/(a0 b0),  twist w.(a x b)/(a0 b0)^2,  w = m0 - m1 + m2 - m3,
-// and the stretch of the fibres. The twist is that of the fibres where shear strains it: it takes what the shear, as
-// far as that is GA's, differs between edges. Poisson's ratio is zero. A beam as wide as the plate bends as that of
-// BeamElement; constant curvatures and twist are exact.
+// and the stretch of the fibres. Where GA lets the plate shear, the fibres twist by other angles than the middle plane:
+// the twist adds the difference of the shear strain between opposite edges, by the share of GA in it. Poisson's ratio is
+// zero. A beam as wide as the plate bends as that of BeamElement; constant curvatures and twist are exact.
 //
 // So the curvatures vary linearly along their directions, by the shear, and across. U is the sum over four Gauss points,
 // one by each fibre, of a quarter of a0 b0 EI/2 kappa : kappa, and where the moment EI kappa has a principal value beyond
@@ -32,8 +32,8 @@ class PlateElement {
     static constexpr int placeOf(int stack, int variable) { return ofStack * stack + variable; }
     using Plastic = std::array<double, 4 * ofStack>;
     static constexpr int rowSets = 4; // each the task of another domain
-    // Of direction k, 0 along the line and 1 along the width: rowOf(k, Edge::Row, part); part: 0 the mean of both
-    // edges, 1 half of what the first has more.
+    // Rows of direction k, 0 along the line and 1 along the width: rowOf(k, Edge::Row, part); part 0: the mean of both
+    // edges, 1: half of the first edge less the second.
     enum Row { twist = 4 * Edge::rows, membrane, pinch, rows = pinch + 4 };
     static constexpr int rowOf(int direction, int strain, int part) {
         return (2 * direction + part) * Edge::rows + strain;
@@ -112,8 +112,8 @@ class PlateElement {
         return sum;
     }
 
-    // each(what, force): the forces at the Gauss point by fibre f, per metre of the sections; of moments with tension on
-    // the left, which is the side of line x width.
+    // each(what, force): the forces at the Gauss point by fibre f, per metre of the sections. Moments are positive with
+    // tension on the left, the side of line x width.
     template <class Each> void forces(const Strained& s, int f, Each&& each) const {
         const auto atPoint = [&](int k, int strain) { // of the two edges
             const double mean = stiffness_[rowOf(k, strain, 0)] * overVolume();
@@ -154,7 +154,7 @@ class PlateElement {
 
     // Place of the Gauss point by fibre f along direction k, from -1 to 1.
     static double at(int f, int k) { return 2 * Middle::along[k][f] / std::sqrt(3.0); }
-    // Elastic, there.
+    // Elastic curvature at the Gauss point by fibre f, 1/m.
     Curvature curvature(const Strained& s, int f) const {
         Curvature kappa;
         for (int k = 0; k < 2; ++k) {
@@ -168,7 +168,7 @@ class PlateElement {
         kappa[2] = s.e[twist] + s.twistBeyond[f];
         return kappa;
     }
-    // What is plastic off the rows: the parts of it that vary as the curvatures do.
+    // Subtracts the plastic curvatures from the rows, by those parts of them that vary as the rows do.
     void takeOff(const Plastic& plastic, Strained& s) const {
         double twisted = 0;
         for (int f = 0; f < 4; ++f) {

@@ -85,3 +85,13 @@ def restarted(scene, steps):
         one.run(steps=steps, progress=False)
     assert bits(other) == bits(scene)
     return other
+
+
+def workOf(point, increment, steps=200):
+    """Work of the stress of a material point along a strain, by the initial volume, kJ/m3."""
+    work = 0.0
+    for _ in range(steps):
+        before, J = point.stress, np.linalg.det(point.deformationGradient)
+        after, K = point.strain(increment / steps), np.linalg.det(point.deformationGradient)
+        work += 0.5 * np.sum((J * before + K * after) * increment) / steps
+    return work

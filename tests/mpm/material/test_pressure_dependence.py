@@ -4,8 +4,9 @@
 Set-up: points of soil, clay, grains, mud and elastic bodies too strong to yield, in compression and in closed
 cycles; blocks under pressure. Reference: dp/de = K_ref (p/p_ref)^m in closed form; the work of the stress by
 the trapezoidal rule; the critical step falls with the root of the present moduli; the same cycle by hand.
-Tolerance: 1e-5 of the pressure (2e-10 found; 2 % of NeoHookean, whose pressure is not quite linear), 1e-9 of
-the step, 1e-11 of the work there and back (3e-12), 1 % of the energy that a cycle makes (0.7 %).
+Tolerance: 1e-9 of the pressure (2e-10 found; NeoHookean, whose pressure is not quite linear: 1 %, 0.6 %),
+1e-9 of the step, 1e-12 of the stress there and back (1e-15), 1e-11 of the work (3e-12), 1 % of the energy
+that a cycle makes (0.7 %).
 Controls: constant moduli are told apart, hypoelastic laws make the energy that the cycle says, and a yielding
 test ends at the strength of constant moduli.
 """
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from inputs import cases, refused
+from setups import workOf
 
 STRONG = dict(density=2.0, young=3e4, poisson=0.25, cohesion=1e6, frictionAngle=0.0)
 SAND = dict(STRONG, cohesion=1.0, frictionAngle=0.55, dilatancyAngle=0.1)
@@ -70,23 +72,13 @@ def testCompressionFollowsThePowerLaw(law, m):
         point.strain(-0.01 / 3 / 100 * np.eye(3))
     strain = 0.01 * BULK / 100**m
     exact = (before ** (1 - m) + (1 - m) * strain) ** (1 / (1 - m)) if m < 1 else before * np.exp(strain)
-    error = 0.02 if law == "NeoHookean" else 1e-5
+    error = 0.01 if law == "NeoHookean" else 1e-9
     assert meanPressure(point) == pytest.approx(exact, rel=error)
     stiffer = (exact / 100) ** m
     assert point.stiffness[1] == pytest.approx(SHEAR * stiffer, rel=error)
     constant = at(law, 50.0)
     constant.strain(-0.01 / 3 * np.eye(3))
     assert meanPressure(point) != pytest.approx(meanPressure(constant), rel=0.05)
-
-
-def along(point, increment, steps=200):
-    """Work of a strain by volume, kJ/m3."""
-    work = 0.0
-    for _ in range(steps):
-        before, J = point.stress, np.linalg.det(point.deformationGradient)
-        after, K = point.strain(increment / steps), np.linalg.det(point.deformationGradient)
-        work += 0.5 * np.sum((J * before + K * after) * increment) / steps
-    return work
 
 
 VOLUME = -2e-3 / 3 * np.eye(3)
@@ -105,11 +97,11 @@ def testTheWayBackGivesWhatTheWayTook(law, m):
     for steps in (2, 200):
         point = at(law, 50.0, pressureExponent=m)
         stress, energy = point.stress, stored(point)
-        there = along(point, VOLUME + SLIDE, steps)
-        gained, back = stored(point) - energy, along(point, -VOLUME - SLIDE, steps)
-        assert np.abs(point.stress - stress).max() < 1e-9 * 50
+        there = workOf(point, VOLUME + SLIDE, steps)
+        gained, back = stored(point) - energy, workOf(point, -VOLUME - SLIDE, steps)
+        assert np.abs(point.stress - stress).max() < 1e-12 * 50
         assert there + back == pytest.approx(0, abs=1e-11 * there)
-        assert stored(point) == pytest.approx(energy, rel=1e-9)
+        assert stored(point) == pytest.approx(energy, rel=1e-12)
         assert law not in WITH_ENERGY or steps == 2 or gained == pytest.approx(there, rel=1e-5)
 
 
@@ -118,11 +110,11 @@ def testAClosedCycleOfStressMakesTheEnergyThatItsPageSays(law):
     """Pressed, sheared, released to the old pressure, and sheared back."""
     point = at(law, 50.0, pressureExponent=0.5)
     energy = stored(point)
-    work = along(point, 5 * VOLUME) + along(point, SLIDE)
+    work = workOf(point, 5 * VOLUME) + workOf(point, SLIDE)
     high, tau = meanPressure(point), point.stress[0, 1]
-    work += along(point, -5 * VOLUME)
+    work += workOf(point, -5 * VOLUME)
     low = meanPressure(point)
-    work += along(point, -SLIDE * point.stress[0, 1] / (2 * point.stiffness[1] * SLIDE[0, 1]))
+    work += workOf(point, -SLIDE * point.stress[0, 1] / (2 * point.stiffness[1] * SLIDE[0, 1]))
     made = stored(point) - energy - work
     lent = tau**2 / (2 * SHEAR * (low / 100) ** 0.5)  # what the shear stress stores at the low pressure
     said = 0 if law in WITH_ENERGY else lent * (1 - (low / high) ** 0.5)
@@ -138,7 +130,7 @@ def testRandomPathsStoreAllWork(law):
         before, work = stored(point), 0.0
         for _ in range(5):
             x = 6e-4 * rng.normal(size=(3, 3))
-            work += along(point, x + x.T)
+            work += workOf(point, x + x.T)
         assert stored(point) - before == pytest.approx(work, abs=1e-5 * max(abs(work), before))
 
 
@@ -151,7 +143,7 @@ def testUnitsOfStressDoNotMatter(name):
         given |= dict(referencePressure=50 * kPa, smallestPressure=2 * kPa, **more.get(name, {}))
         given |= {"MohrCoulomb": dict(cohesion=3 * kPa), "MuI": dict(grainSize=0.01)}.get(name, {})
         point = mpm.MaterialPoint(getattr(mpm, name)(**given), -20 * kPa * np.eye(3))
-        along(point, 2 * SLIDE + VOLUME, 10)
+        workOf(point, 2 * SLIDE + VOLUME, 10)
         found.append(point.stress / kPa)
     assert np.abs(found[1] - found[0]).max() < 1e-12 * np.abs(found[0]).max()
 

@@ -11,7 +11,7 @@ Control: the energy of the start.
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import CAM_CLAY
+from setups import CAM_CLAY, workOf
 
 START = -np.diag([60.0, 90.0, 75.0])
 STRAIN = 1e-4 * np.array([[-2.0, 0.5, 0.3], [0.5, 1.0, -0.4], [0.3, -0.4, -0.6]])
@@ -25,15 +25,6 @@ LAWS = {
     ),
     "ModifiedCamClay": (lambda: mpm.ModifiedCamClay(density=1, preconsolidation=400, **CAM_CLAY), START),
 }
-
-
-def workOf(point, increment, steps):
-    work = 0.0
-    for _ in range(steps):
-        before, J = point.stress, np.linalg.det(point.deformationGradient)
-        after, K = point.strain(increment / steps), np.linalg.det(point.deformationGradient)
-        work += 0.5 * np.sum((J * before + K * after) * increment) / steps
-    return work
 
 
 @pytest.mark.parametrize("name", LAWS)

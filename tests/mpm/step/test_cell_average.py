@@ -108,7 +108,8 @@ def test_no_value_is_beyond_the_means_of_the_neighbours(kind):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_forces_do_no_more_work_than_the_strains(kind, dim):
     """A bed of cork settles on a held floor, where cells and splines see different changes of volume. With
-    tr/3 in the forces, while two axes strain, B-splines gained 4 % of the work of gravity."""
+    tr/3 in the forces, while two axes strain, B-splines gain 4 % of the work of gravity. Found: a loss of 0.2
+    to 0.5 %."""
     scene = mpm.Scene((0,) * dim, (7, 1, 6) if dim == 3 else (7, 6), CELL, threads=1)
     cork = mpm.LinearElastic(density=1.6, young=2e3, poisson=0.0)
     upper = (7, 1, 1) if dim == 3 else (7, 1)
@@ -121,7 +122,7 @@ def test_the_forces_do_no_more_work_than_the_strains(kind, dim):
     scene.run(steps=150, progress=False)
     work = history["externalWork"]
     inside = history["kineticEnergy"] + history["internalWork"]
-    assert (inside - inside[0] - work + work[0]).max() < 5e-4 * np.abs(work).max()
+    assert (inside - inside[0] - work + work[0]).max() < 1e-6 * np.abs(work).max()
 
 
 def test_without_fbar_each_particle_keeps_its_own():

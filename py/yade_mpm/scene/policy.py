@@ -37,9 +37,9 @@ class LoopPolicy:
         self._followsSpeed = followsSpeed
         self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
         self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
-        follows = any(followsStress(body.material) for body in scene.bodies)
-        self.lookPeriod = limits.DT_LOOK_PRESSED if follows else limits.DT_LOOK
-        self._lookAt = _firstAt(scene.steps, self.lookPeriod, stride)
+        self._isPressed = any(followsStress(body.material) for body in scene.bodies)
+        self.lookPeriod = limits.DT_LOOK_PRESSED if self._isPressed else limits.DT_LOOK
+        self._lookAt = _firstAt(scene.steps, self._lookPeriodAt(scene.steps), stride)
         self._saveAt = math.inf if savePeriod is None else time.monotonic() + savePeriod
 
     def beforeSteps(self):
@@ -57,7 +57,7 @@ class LoopPolicy:
             self.lookAtFields()
         isChanged = False
         if steps >= self._lookAt:
-            self._lookAt = _nextAt(steps, self.lookPeriod)
+            self._lookAt = _nextAt(steps, self._lookPeriodAt(steps))
             isChanged = self._followGrowth() or self._followSpeed()
         if steps < self._estimateAt:
             return isChanged
@@ -146,6 +146,10 @@ class LoopPolicy:
         for solver in (e for e in scene.engines if isinstance(e, GridSolver)):
             faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.holds}
         self._warnOnce(faults)
+
+    def _lookPeriodAt(self, steps):
+        """Steps between looks at growth: a scene without stress is stiffer by far after each of its first."""
+        return 1 if self._isPressed and steps < limits.DT_EARLY else self.lookPeriod
 
     def _warnOnce(self, faults):
         """Says each fault that is one, as a dict of texts or None, once in the life of the scene."""

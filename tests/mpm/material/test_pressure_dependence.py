@@ -197,6 +197,34 @@ def testTheCriticalStepFollowsThePresentStiffness(law):
     assert steps[0] / steps[1] == pytest.approx(2, rel=1e-9)
 
 
+@pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.25)])
+@pytest.mark.parametrize("law", ["LinearElastic", "NeoHookean", "MuI"])
+def testABlockWithoutStressTakesItsWeight(law, type_):
+    """From no stress on each of the first steps makes it stiffer: the automatic step falls as fast."""
+
+    def block():
+        scene = mpm.Scene((0, 0), (4, 4), cell=0.5, gravity=10.0, threads=1)
+        scene.fix("bottom")
+        scene.roller("left", "right")
+        made = LAWS[law](pressureExponent=0.6)
+        return scene, scene.add("soil", mpm.box((0, 0), (3, 3)), made, type_, implicit=False)
+
+    def energy(scene, body):
+        mass, height = body.mass, body.position[:, 1]
+        moving = (0.5 * (body.velocity**2).sum(axis=1) + 10 * height) @ mass
+        return mpm.diagnostics.storedEnergy(scene) + moving
+
+    scene, body = block()
+    before = energy(scene, body)
+    scene.run(steps=10, progress=False)
+    assert energy(scene, body) == pytest.approx(before, rel=2e-3)
+    assert 60 < -body.stress.min() < 200  # at rest 60 kPa
+    again, other = block()
+    for _ in range(10):
+        again.run(steps=1, progress=False)
+    assert np.array_equal(other.stress, body.stress)
+
+
 def testTheStrengthOfClayIsNotThatOfThePressure():
     for p in (25, 400):
         law = mpm.Tresca(**CLAY, undrainedStrength=20, pressureExponent=0.5)

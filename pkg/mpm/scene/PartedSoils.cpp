@@ -8,12 +8,17 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 
 namespace mpm {
 
 namespace {
 
 constexpr double thick = 2 * (1 - 1e-6); // cells; no node reaches the soil on both sides of such a wall
+// Slope against its plane that a bent wall may have: of 60 degrees, for the soil on one side sees no steeper facets.
+constexpr double steep = 1.73;
 constexpr double slender = 2; // least length of a wall along each axis that it ends on, in thicknesses
 // How far inside the ends of a wall it parts the soil, in cells: nearer nodes feel soil that goes through beyond.
 constexpr double fromEnd = 1;
@@ -68,6 +73,27 @@ Vec<Dim> middleBeside(const Field& wall, const Vec<Dim>& middle, const Vec<Dim>&
     return count > 0 ? Vec<Dim>(sum / count) : middle;
 }
 
+// Whether a mesh is one layer over its plane, of so much thickness, within strips along each axis but that across: not
+// a ring or a trough, with soil of one side between its legs. strip: width, m.
+template <int Dim>
+bool isOneLayer(const Field& x, const Vec<Dim>& normal, int across, double thickness, const Vec<Dim>& strip) {
+    std::map<std::array<int, Dim - 1>, std::pair<double, double>> reach; // of each strip, along the normal
+    for (int p = 0; p < x.size(); ++p) {
+        const Vec<Dim> at = vectorAt<Dim>(x, p);
+        const double along = at.dot(normal);
+        const Vec<Dim> inPlane = at - along * normal;
+        std::array<int, Dim - 1> place;
+        for (int k = 0, n = 0; k < Dim; ++k)
+            if (k != across) place[n++] = int(std::floor(inPlane[k] / strip[k]));
+        auto& [least, most] = reach.try_emplace(place, along, along).first->second;
+        least = std::min(least, along);
+        most = std::max(most, along);
+    }
+    const double allowed = thickness + steep * strip.maxCoeff() * std::sqrt(Dim - 1.0) / std::abs(normal[across]);
+    return std::all_of(reach.begin(), reach.end(),
+                       [&](const auto& its) { return its.second.second - its.second.first <= allowed; });
+}
+
 // f(node) for the nodes from one to so many steps away along each axis, in the grid.
 template <int Dim, class F> void forNodesFrom(const Grid<Dim>& grid, int node, int from, int to, F&& f) {
     const Index<Dim> index = grid.indices(node);
@@ -115,7 +141,9 @@ template <int Dim> bool PartedSoils<Dim>::isWall(const Scene<Dim>& scene, const 
         if (k != wall.across && (wall.lower[k] > -beyondAll || wall.upper[k] < beyondAll))
             shortest = std::min(shortest, *most - *least);
     }
-    return thickness < thick * scene.grid.sizeAt(wall.middle).minCoeff() && shortest > slender * thickness;
+    const Vec<Dim> cell = scene.grid.sizeAt(wall.middle);
+    return thickness < thick * cell.minCoeff() && shortest > slender * thickness &&
+           isOneLayer<Dim>(body.particles.position, wall.normal, wall.across, thickness, cell);
 }
 
 // Gives the soil of a group a second field if a wall parts it.

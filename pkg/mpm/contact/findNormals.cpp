@@ -107,16 +107,23 @@ void forNodesRound(const Grid<Dim>& grid, const NodalField<Dim>& field, int node
 }
 
 // Mean velocity of a group round a node at the start of the step: what the forces of this step add is left out,
-// since they balance the contact force of the step before, and a normal that follows them turns with dt.
+// since they balance the contact force of the step before, and a normal that follows them turns with dt. Of a
+// soil that a wall parts, both fields round a node where it is one; else that of the node, and what is one.
 template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, int node) {
     const Grid<Dim>& grid = pair.grid();
-    const NodalField<Dim>& field = pair.fieldOf(side);
     Vec<Dim> momentum = Vec<Dim>::Zero();
     double mass = 0;
-    forNodesRound(grid, field, node, meanReach, [&](int near) {
-        mass += field.sum[near][NodalField<Dim>::mass];
-        for (int k = 0; k < Dim; ++k) momentum[k] += field.sum[near][NodalField<Dim>::momentum + k];
-    });
+    const auto add = [&](int number, bool isWhole) {
+        const NodalField<Dim>& field = grid.fields[number];
+        forNodesRound(grid, field, node, meanReach, [&](int near) {
+            if (!isWhole && !pair.isBonded(near)) return;
+            mass += field.sum[near][NodalField<Dim>::mass];
+            for (int k = 0; k < Dim; ++k) momentum[k] += field.sum[near][NodalField<Dim>::momentum + k];
+        });
+    };
+    add(pair.field[side], true);
+    const int partner = pair.scene->parted.partnerOf(pair.field[side]);
+    if (partner >= 0) add(partner, pair.isBonded(node));
     return momentum / mass; // the node itself has some
 }
 

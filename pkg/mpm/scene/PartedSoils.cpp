@@ -17,7 +17,7 @@ namespace mpm {
 namespace {
 
 constexpr double thick = 2 * (1 - 1e-6); // cells; no node reaches the soil on both sides of such a wall
-// Slope against its plane that a bent wall may have: of 60 degrees, for the soil on one side sees no steeper facets.
+// Slope of a bent wall against its plane: of 60 degrees, for the soil on one side sees no steeper facets.
 constexpr double steep = 1.73;
 constexpr double slender = 2; // least length of a wall along each axis that it ends on, in thicknesses
 // How far inside the ends of a wall it parts the soil, in cells: nearer nodes feel soil that goes through beyond.
@@ -73,8 +73,8 @@ Vec<Dim> middleBeside(const Field& wall, const Vec<Dim>& middle, const Vec<Dim>&
     return count > 0 ? Vec<Dim>(sum / count) : middle;
 }
 
-// Whether a mesh is one layer over its plane, of so much thickness, within strips along each axis but that across: not
-// a ring or a trough, with soil of one side between its legs. strip: width, m.
+// Whether a mesh is one layer of so much thickness over its plane, within strips of a cell: not a ring or a
+// trough, with soil of one side between its legs. strip: width, m.
 template <int Dim>
 bool isOneLayer(const Field& x, const Vec<Dim>& normal, int across, double thickness, const Vec<Dim>& strip) {
     std::map<std::array<int, Dim - 1>, std::pair<double, double>> reach; // of each strip, along the normal
@@ -89,7 +89,8 @@ bool isOneLayer(const Field& x, const Vec<Dim>& normal, int across, double thick
         least = std::min(least, along);
         most = std::max(most, along);
     }
-    const double allowed = thickness + steep * strip.maxCoeff() * std::sqrt(Dim - 1.0) / std::abs(normal[across]);
+    const double along = strip.maxCoeff() * std::sqrt(Dim - 1.0) / std::abs(normal[across]),
+                 allowed = thickness + steep * along;
     return std::all_of(reach.begin(), reach.end(),
                        [&](const auto& its) { return its.second.second - its.second.first <= allowed; });
 }

@@ -111,14 +111,14 @@ def test_a_wall_that_only_touches_the_ground_from_above_parts_nothing(fbar):
     assert abs(thin - thick).max() < 0.02
 
 
-def buried(region, way=(0, 0.3)):
-    """Scene and soil: a mesh of thin walls is lifted out of sand that is all round it, symmetric about x = 2."""
+def buried(region):
+    """Scene, soil and drive: a mesh of thin walls is lifted out of sand all round it."""
     scene = mpm.Scene((0, 0), (4, 4), 0.25, threads=1)
     sand = mpm.MohrCoulombDruckerPrager(**SAND)
     soil = scene.add("soil", box((0, 0), (4, 3)) - region, sand, mpm.UGIMP(perCell=2), group="soil")
     mesh = scene.add("walls", region, elastic(1e5), mpm.APDI(size=0.125), group="walls")
     scene.initialStress(surface=3, K0=0.5, bodies=[soil])
-    lift = mpm.Drive(mesh, velocity=way)
+    lift = mpm.Drive(mesh, velocity=(0, 0.3))
     scene.engines = chain(contact=mpm.Contact(), gravity=(0, -9.81), damping=0.2, fixed="bottom", drive=lift)
     return scene, soil, lift
 
@@ -129,8 +129,8 @@ TROUGH = LINING - box((1.125, 2.625), (2.875, 2.75))
 
 @pytest.mark.parametrize("region", [LINING, TROUGH], ids=["lining", "trough"])
 def test_walls_round_soil_are_no_plane_that_parts_it(region):
-    """By volume over length these are 0.26 and 0.34 m thick. The plane through a lining is none of its walls:
-    soil above it did not feel the lining's floor, nor soil below the ceiling, with 13 kN to one side."""
+    """By volume over length these are thinner than two cells. The plane through a lining is none of its
+    walls: soil on one side did not feel the facets that look to the other one, inside as outside."""
     scene, soil, lift = buried(region)
     scene.run(until=0.1, progress=False)
     assert scene._core.partedWalls == []
@@ -138,7 +138,7 @@ def test_walls_round_soil_are_no_plane_that_parts_it(region):
 
 
 def test_a_wall_with_a_base_parts_soil():
-    """Each place of its plane has one layer of it."""
+    """It is one layer over its plane."""
     scene, *_ = buried(box((1.5, 1), (1.75, 2.75)) | box((1.75, 1), (3, 1.25)))
     scene.run(steps=1, progress=False)
     assert scene._core.partedWalls == [("walls", "soil")]

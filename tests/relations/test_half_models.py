@@ -129,6 +129,31 @@ def test_half_a_body_that_is_driven_along_a_roller_is_the_whole_one(ground, top)
     assert difference(*(onGround(isHalf, ground, top, driven=True) for isHalf in (True, False))) <= ROUND_OFF
 
 
+def sunk(isHalf, axes):
+    """A mesh that grows wider falls into a hole in boxes of soil that flow together, with contact at nodes."""
+    model = Model(isHalf, "UGIMP", axes)
+    hole = box(*model.corners((-1.5, 1, -1), (1.5, 2.5, 2)))
+    soil = model.scene.add(
+        "ground",
+        box(*model.corners((-3, 0, 0), (3, 2, 1))) - hole,
+        mpm.MohrCoulomb(**SOIL),
+        model.kind,
+        group="ground",
+    )
+    soil.velocity[:, axes[0]] = -2 * np.sin(soil.position[:, axes[0]])
+    model.kind = makeType("APDI")
+    block = model.add("block", (-1.5, 1, 0), (1.5, 2.5, 1), mpm.LinearElastic(**ELASTIC), group="block")
+    block.velocity[:, axes[1]] = -1.0
+    return model.run(10, mpm.Contact(friction=0.3, adhesion=1.0, constraints="nodes"))
+
+
+@pytest.mark.parametrize("axes", [(0, 1), (0, 2, 1)])
+def test_half_a_block_with_edges_in_soil_is_the_whole_one(axes):
+    """Edges push the way that the groups move round them, images behind a roller included: without these the
+    velocities differ by 3.5 %. Sweeps of contact end at 1e-6 of the motion in each step; 1.3e-5 is found."""
+    assert difference(*(sunk(isHalf, axes) for isHalf in (True, False))) <= 1e-4
+
+
 def test_half_an_implicit_body_on_soil_is_the_whole_one():
     assert (
         difference(*(onGround(isHalf, "UGIMP", "UGIMP", implicit=True) for isHalf in (True, False)))

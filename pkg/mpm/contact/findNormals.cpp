@@ -106,19 +106,55 @@ void forNodesRound(const Grid<Dim>& grid, const NodalField<Dim>& field, int node
     }
 }
 
+// The planes of symmetry near a node: of those rollers that hold a group on their node nearest to it, the line of the
+// grid along each axis, on its lower and its upper side.
+template <int Dim> struct NearbyRollers {
+    static constexpr int none = -1;
+    Index<Dim> at;
+    std::array<Index<Dim>, 2> line;
+
+    NearbyRollers(const PairSearch<Dim>& pair, int side, int node) : at(pair.grid().indices(node)) {
+        const Grid<Dim>& grid = pair.grid();
+        for (int k = 0; k < Dim; ++k)
+            for (int end = 0; end < 2; ++end) {
+                const int face = grid.ghost + end * grid.cells[k];
+                const int holder = pair.fieldOf(side).holder[node + (face - at[k]) * grid.strides[k]][k];
+                line[end][k] = pair.scene->mirrors.isRoller(holder) ? face : none;
+            }
+    }
+    // How many images along an axis a node has up to `reach` steps away; a node on a roller is its own.
+    int imagesOf(const Index<Dim>& near, int axis, int reach) const {
+        int count = 0;
+        for (const auto& lines : line)
+            count += lines[axis] != none && std::abs(2 * lines[axis] - near[axis] - at[axis]) <= reach;
+        return count;
+    }
+};
+
 // Mean velocity of a group round a node at the start of the step: what the forces of this step add is left out,
-// since they balance the contact force of the step before, and a normal that follows them turns with dt. Of a
-// soil that a wall parts, both fields round a node where it is one; else that of the node, and what is one.
+// since they balance the contact force of the step before, and a normal that follows them turns with dt. Images
+// behind rollers count, too. Of a soil that a wall parts, both fields round a node where it is one; else that of the
+// node, and what is one.
 template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, int node) {
     const Grid<Dim>& grid = pair.grid();
+    const NearbyRollers<Dim> rollers(pair, side, node);
     Vec<Dim> momentum = Vec<Dim>::Zero();
     double mass = 0;
     const auto add = [&](int number, bool isWhole) {
         const NodalField<Dim>& field = grid.fields[number];
         forNodesRound(grid, field, node, meanReach, [&](int near) {
             if (!isWhole && !pair.isBonded(near)) return;
-            mass += field.sum[near][NodalField<Dim>::mass];
-            for (int k = 0; k < Dim; ++k) momentum[k] += field.sum[near][NodalField<Dim>::momentum + k];
+            const Index<Dim> place = grid.indices(near);
+            double all = 1;
+            Vec<Dim> mean; // of the node and its images, of the velocity along each axis
+            for (int k = 0; k < Dim; ++k) {
+                const int images = rollers.imagesOf(place, k, meanReach);
+                all *= 1 + images;
+                mean[k] = (1.0 - images) / (1 + images);
+            }
+            mass += all * field.sum[near][NodalField<Dim>::mass];
+            for (int k = 0; k < Dim; ++k)
+                momentum[k] += all * mean[k] * field.sum[near][NodalField<Dim>::momentum + k];
         });
     };
     add(pair.field[side], true);

@@ -12,6 +12,7 @@ from ..engine.callback import Callback
 from ..engine.engine import NO_CALL
 from ..engine.gridSolver import GridSolver
 from ..material.materials import MaterialPoint
+from ..material.spatial import isSpatial
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -199,12 +200,15 @@ class LoopPolicy:
 
 def followsStress(material):
     """Whether the stiffness of a law is another one under pressure; True where the law cannot tell."""
+    power = material.attributes().get("pressureExponent", 0)
+    if isSpatial(power) or power != 0:
+        return True  # whatever moduli vary in space, which have no number to go by
     core = material._core
     pressure, state = core.lameConstants[1], {name: core.value(name) or 1.0 for name in material._spatial}
     try:
         free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
     except ValueError:  # its stress follows from F alone, and so does its stiffness
-        return material.attributes().get("pressureExponent", 0) != 0
+        return False
     except RuntimeError:  # a routine from elsewhere that fails at these stresses
         return True
     return free != pressed

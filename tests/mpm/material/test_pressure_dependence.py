@@ -16,12 +16,15 @@ import pytest
 import yade_mpm as mpm
 from inputs import cases, refused
 from setups import workOf
+from yade_mpm.check import limits
+from yade_mpm.scene.policy import LoopPolicy, followsStress
 
 STRONG = dict(density=2.0, young=3e4, poisson=0.25, cohesion=1e6, frictionAngle=0.0)
 SAND = dict(STRONG, cohesion=1.0, frictionAngle=0.55, dilatancyAngle=0.1)
 BULK, SHEAR = 3e4 / (3 * 0.5), 1.2e4
 CLAY = dict(density=2.0, young=3e4, poisson=0.25)
 MUD = dict(density=2.0, bulk=BULK, shearModulus=SHEAR)
+GRAINS = dict(staticFriction=0.5, fastFriction=0.6, grainSize=0.01)
 
 
 def hypoelastic(points):
@@ -223,6 +226,25 @@ def testABlockWithoutStressTakesItsWeight(law, type_):
     for _ in range(10):
         again.run(steps=1, progress=False)
     assert np.array_equal(other.stress, body.stress)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda: mpm.MohrCoulomb(**STRONG | {"young": lambda x: 3e4 + 0 * x[:, 0]}, pressureExponent=0.5),
+        lambda: mpm.LinearElastic(**CLAY | {"young": [(0, 3e4), (4, 2e4)]}, pressureExponent=0.5),
+        lambda: mpm.HerschelBulkley(
+            density=2, bulk=lambda x: 2e4 + x[:, 1], yieldStress=9.0, consistency=1.0, pressureExponent=0.5
+        ),
+        lambda: mpm.MuI(**CLAY | {"young": 200.0}, **GRAINS, pressureExponent=1.0),
+    ],
+)
+def testTheStepFollowsModuliThatVaryOrAreSmall(made):
+    scene = mpm.Scene((0, 0), (4, 4), cell=0.5, threads=1)
+    scene.add("soil", mpm.box((0, 0), (3, 3)), made(), implicit=False)
+    policy = LoopPolicy(scene, print)
+    assert policy.lookPeriod == limits.DT_LOOK_PRESSED
+    assert followsStress(made()) and not followsStress(mpm.LinearElastic(**CLAY))
 
 
 def testTheStrengthOfClayIsNotThatOfThePressure():

@@ -131,6 +131,7 @@ class Beam:
         points = self._divided(scene, name, self.line)
         places = [points]
         faces = _faces(points[:, self._plane], self.thickness, self.isClosed)
+        self._checkFaces(name, points, faces)
         if self.width is None:
             faces = [face[:, None] for face in faces]
         else:
@@ -164,6 +165,17 @@ class Beam:
             at = np.interp(np.arange(1, n + 1) / n * passed[-1], passed, part)
             parts.append(start + (end - start) * at[:, None])
         return np.concatenate(parts)
+
+    def _checkFaces(self, name, points, faces):
+        """Refuses a thickness of which nothing is left on the inner side of a turn."""
+        along = np.diff(points[:, self._plane], axis=0)
+        shortest = np.min([(np.diff(face, axis=0) * along).sum(axis=1) for face in faces], axis=0)
+        if (shortest <= SLACK * (along**2).sum(axis=1)).any():
+            at = points[1:][np.argmin(shortest)]
+            raise ValueError(
+                f"body '{name}': thickness = {self.thickness:g} m of a Beam leaves no inner face where its "
+                f"line turns near {placeText(at)}; give a smaller thickness, a larger size, or more turns"
+            )
 
     def _checkSize(self, name, start, length, least, most):
         size = self.size or most
@@ -251,6 +263,8 @@ def _checkPoints(line):
         raise ValueError(
             f"Beam: line = {shown(line)} is not allowed; give two points or more, (x, y) or (x, y, z), m"
         )
+    if np.abs(points[-1] - points[0]).max() <= SLACK * np.ptp(points, axis=0).max():
+        points = np.concatenate((points[:-1], points[:1]))  # a ring by cos and sin
     return points
 
 

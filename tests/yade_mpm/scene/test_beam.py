@@ -173,6 +173,10 @@ def add(*beside, dim=2, size=None, **options):
     ("Beam: limitMoment = 'large'", lambda: beam(limitMoment="large")),
     ("body 'wall': domains of a Beam ... 0.2 m long", lambda: add(size=0.2)),
     ("body 'wall': size = 0.5 m of a Beam ... two cells of 0.25 m or more", lambda: add(size=0.5)),
+    (
+        "body 'wall': thickness = 0.5 m of a Beam leaves no inner face ... near (2, 1)",
+        lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", beam([(1, 1), (2, 1), (2, 2)], thickness=0.5)),
+    ),
     ("body 'wall': material is given, and a Beam has it", lambda: add(elastic())),
     ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),
     ("body 'wall': fbar is given", lambda: add(fbar=True)),
@@ -193,6 +197,16 @@ def add(*beside, dim=2, size=None, **options):
 )
 def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
+
+
+def test_a_ring_by_sine_and_cosine_is_closed():
+    angle = np.linspace(0, 2 * np.pi, 19)
+    line = 2 + np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    assert not np.array_equal(line[0], line[-1])  # by round-off
+    given = line.copy()
+    ring = beam(line, thickness=0.2)
+    assert ring.isClosed and np.array_equal(line, given)
+    assert mpm.Scene((0, 0), (4, 4), 0.25).add("wall", ring).mass.sum() > 0
 
 
 def inclined(**particles):

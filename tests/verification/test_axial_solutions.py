@@ -136,11 +136,11 @@ def test_a_sphere_breathes_with_its_period(kind, verified):
 # --- soil ------------------------------------------------------------------------------------------------
 @pytest.mark.filterwarnings("ignore:.*they lock")
 @pytest.mark.parametrize(
-    "kind, fbar, tolerance", [("UGIMP", False, 1e-5), ("UGIMP", True, 0.03), ("APDI", True, 1e-4)]
+    "kind, fbar, tolerance", [("UGIMP", False, 1e-5), ("UGIMP", True, 0.03), ("APDI", True, 5e-4)]
 )
 def test_far_from_the_axis_it_is_plane_strain(kind, fbar, tolerance):
     """Soil that yields and flows, 1e5 m away. F-bar gives a change of volume to three axes, not to two: boxes
-    at the foot move otherwise by 2 %, in the mean by 0.2 %."""
+    at the foot move otherwise by 2 %, in the mean by 0.2 %, meshes by 0.02 %."""
     moved = []
     for isRound in (True, False):
         left = 1e5 if isRound else 0.0

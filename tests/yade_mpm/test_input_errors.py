@@ -41,7 +41,7 @@ from yade_mpm import box, sphere
         (
             partial(elastic, densty=1),
             "LinearElastic has no argument 'densty'; did you mean 'density'? (allowed: 'density', "
-            "'lame', 'young', 'poisson')",
+            "'lame', 'young', 'poisson', 'pressureExponent', 'referencePressure', 'smallestPressure')",
         ),
         (
             partial(soil, frictionAngle=30),

@@ -130,7 +130,7 @@ def test_half_a_body_that_is_driven_along_a_roller_is_the_whole_one(ground, top)
 
 
 def sunk(isHalf, axes):
-    """A mesh that grows wider falls into a hole in boxes of soil that flow together, with contact at nodes."""
+    """A mesh that grows wider falls into a hole in boxes of soil that flow as one, with contact at nodes."""
     model = Model(isHalf, "UGIMP", axes)
     hole = box(*model.corners((-1.5, 1, -1), (1.5, 2.5, 2)))
     soil = model.scene.add(

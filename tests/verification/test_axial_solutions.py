@@ -156,7 +156,7 @@ def test_far_from_the_axis_it_is_plane_strain(kind, fbar, tolerance):
     assert moved[0] == pytest.approx(moved[1], abs=tolerance * np.abs(moved[1]).max())
 
 
-def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49, depth=0, end=1.05):
+def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49, depth=0, end=1.05, speed=0.02):
     """Load of a circular footing of one metre over its area and the strength, in the last 0.2 s. It stands
     on the ground of an open hole of that depth, m."""
     h = 1 / (cells + 0.5)  # what holds nodes presses half a cell beyond the last one
@@ -173,7 +173,7 @@ def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49, depth=0, end=1.0
     base = deep - depth
     nodes = mpm.box((-3 * h, base - 0.1 * h), ((cells + 0.1) * h, base + (0.1 if depth else 3) * h))
     across = 0.0 if isRough else None
-    press = scene.drive(nodes, velocity=(across, -0.02), ramp=0.1, name="footing")
+    press = scene.drive(nodes, velocity=(across, -speed), ramp=0.1, name="footing")
     scene.run(until=end - 0.2, progress=False)
     before = press.impulse[1]
     scene.run(until=end, progress=False)
@@ -187,15 +187,22 @@ def test_a_circular_footing_has_its_limit_load(isRough, exact, verified):
     verified(footing(isRough), exact)
 
 
-@pytest.mark.parametrize("depth, found", [(1, 7.1), (2, 7.7), (4, 8.4)])
+@pytest.mark.parametrize("depth, exact, end", [(0.4, 7.14, 0.4), (1, 8.05, 0.6), (2, 9.11, 1.2)])
 @pytest.mark.filterwarnings("ignore:.*is a mesh and flows")
 @pytest.mark.verifies(
-    "Circular footing in a hole in clay, 7 cells: load", reference="Skempton 1951", tolerance=0.08
+    "Circular footing in a hole in clay, 7 cells: load", reference="limit analysis", tolerance=0.05
 )
-def test_depth_adds_to_the_load_as_skempton_found(depth, found, verified):
-    """Rough base, free walls, the depth over the diameter of 0.5, 1 and 2: read from his chart for circles,
-    which begins at 6.2 and ends at 9."""
-    verified(footing(True, depth=depth, end=1.5), found)
+def test_depth_adds_to_the_load_of_a_circular_footing(depth, exact, end, verified):
+    """Rough base, free walls, the depth over the diameter of 0.2, 0.5 and 1, G/su = 10,000.
+
+    Reference: limit analysis by second-order cones, eight-node elements of a/400 beside the edge, which is
+    0.4 % too high on the surface. Salgado et al. 2004 fit 7.24, 8.03 and 8.96; Skempton's chart, from tests,
+    has 7.1 and 7.7 for 0.5 and 1. Control: in soft clay the hole closes, and the load is lower.
+    """
+    found = footing(True, depth=depth, shear=1e5, end=end, speed=0.01)
+    verified(found, exact)
+    if depth == 1:
+        assert footing(True, depth=1, end=1.5) < 0.98 * found
 
 
 @pytest.mark.verifies("Axial symmetry: adhesion on a shaft", reference="2 pi R L a", tolerance=0.05)

@@ -276,6 +276,16 @@ def test_what_is_not_made_for_rings_is_refused():
         scene.engines = [mpm.ParticleToGrid(), mpm.UniformAlong(axis="y"), *scene.engines[1:]]
         scene.run(steps=1, progress=False)
     scene, body = block("UGIMP")
+    rigid = mpm.RigidContact()
+    rigid.addBody(mpm.rigid.Sphere(0.1), position=(0.5, 1.5))
+    with pytest.raises(ValueError, match="RigidContact knows plane strain"):
+        scene.engines = [scene.engines[0], rigid, *scene.engines[1:]]
+        scene.run(steps=1, progress=False)
+    scene, body = block("UGIMP", upper=(2.0, 1.0))
+    with pytest.raises(ValueError, match="ViscousBoundary knows plane strain"):
+        scene.viscous("right")
+        scene.run(steps=1, progress=False)
+    scene, body = block("UGIMP")
     scene.fix("left")
     with pytest.raises(ValueError, match="it is the axis"):
         scene.run(steps=1, progress=False)

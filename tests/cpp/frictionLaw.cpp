@@ -47,6 +47,19 @@ TEST(FrictionLaw, surfacesThatStickDoNotMove) {
     EXPECT_NEAR(wInSpace.norm(), 0, 1e-12);
 }
 
+// Else the last bit of the slip tells whether velocities that are made anew stick.
+TEST(FrictionLaw, surfacesWithoutFrictionDoNotStickWhenTheySlipByNothing) {
+    for (const double friction : {0.0, 0.3}) {
+        const FrictionLaw law{friction, 0, true, true, 1};
+        ContactSite<2> site;
+        site.normal = tilted;
+        const auto J = law.impulses<2>(site, 1e-3, Mat<2>::Identity(), Mat<2>::Identity(), Vec<2>::Zero(),
+                                       Vec<2>(0.3 * tilted));
+        EXPECT_GT(J.all.dot(tilted), 0.1);
+        EXPECT_EQ(J.sticks, friction > 0);
+    }
+}
+
 TEST(FrictionLaw, adhesionActsWhereSurfacesTouchThoughTheyPartInThisStep) {
     const FrictionLaw law{0, 50, true, true, 1};
     const double dt = 1e-3;

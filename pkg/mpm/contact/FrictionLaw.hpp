@@ -120,9 +120,10 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const Vec<Dim> t = direction(slipping.isZero(0) ? borneSoFar : slipping);
     const double along = t.dot(mobility * t); // 0: constraints hold both
     const double borne = adhesion * site.area * dt;
-    J.sticks = t.isZero(0);
-    if (J.sticks || !(along > 0 || slip)) return J;
     const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed + carried, 0.0) + borne;
+    J.sticks =
+        t.isZero(0) && (!slip || limit > 0); // a smooth surface never does, be its slip zero or round-off
+    if (t.isZero(0) || !(along > 0 || slip)) return J;
     if (!(along > 0)) {
         J.all += limit * t;
         return J;

@@ -45,7 +45,7 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
                 const Vec<Dim> outward =
                     pair.isBonded(node) ? Vec<Dim>(vertex.outward + vertex.hidden) : vertex.outward;
                 const double size = outward.norm(), facing = sign * outward.dot(contact->normal) / size;
-                const double alike = PlaceInCell::onLine * h * h; // m2, round-off of `beside`
+                const double alike = PlaceInCell::roundOff * h * h; // m2, round-off of `beside`
                 if (beside > h * h - alike || beside > seen.nearest + alike || !(facing > leastFacing))
                     return;
                 const double reach = facing > planeFacing ? d.dot(outward) / (facing * size) : along;
@@ -122,7 +122,7 @@ template <int Dim> void borrow(const PairSearch<Dim>& pair) {
         double weight = 0, gap = 0;
         forNeighbours(grid, contact.node, [&](int node, const Index<Dim>&) {
             const ContactNode<Dim>* const other = pair.at(node);
-            if (!other || !isFelt(pair, *other)) return;
+            if (!other || !isFelt(pair, *other) || pair.isBonded(node) != pair.isBonded(contact.node)) return;
             normal += other->weight * other->normal;
             weight += other->weight;
             gap += other->weight * other->gap;

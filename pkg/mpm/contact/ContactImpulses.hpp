@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The impulses of a pair of groups on all its contact nodes and points, which follow each other: projected
-// Gauss-Seidel, with the steps of conjugate gradients between its rounds (Silcowitz-Hansen, Niebe & Erleben 2010). Where
-// it ends early, the impulses depend on which site comes first, and those of a mirror image differ.
+// Gauss-Seidel, with the steps of conjugate gradients between its rounds (Silcowitz-Hansen, Niebe & Erleben 2010), beside
+// implicit bodies, whose nodes answer each other, with the mean of the last two rounds (Anderson 1965). Where it ends
+// early, the impulses depend on which site comes first, and those of a mirror image differ.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
 #include "mpm/contact/FrictionLaw.hpp"
 #include "mpm/contact/ImplicitSides.hpp"
+
+#include <algorithm>
 
 namespace mpm {
 
@@ -73,29 +76,25 @@ template <int Dim> class ContactImpulses {
         const bool hasPoints = pair.firstPoint < pair.endPoint; // else no node sees another one
         const int most = isCoupled ? mostCoupledRounds : hasPoints ? mostRounds : 1;
         if (most > 1) start(search, pair);
-        const auto updateNode = [&](int i) {
-            if (!search.nodes[i].isLeftOut) update(search.nodes[i], lawOf(search.nodes[i]), dt, alone(i));
-        };
-        const auto updatePoint = [&](int i) {
-            ContactPoint<Dim>& point = search.points[i];
-            const FrictionLaw law = lawOf(point);
-            // Else what shares a node stays together, and nothing crosses between nodes.
-            if (law.separation) update(point, law, dt, point.sites());
-        };
+        mobilities_.clear();
         bool isSettled = most == 1;
         for (int round = 0; round < most && (round == 0 || !isSettled); ++round) {
-            if (isCoupled)
-                for (const auto& site : implicit.sites())
-                    site.node >= 0 ? updateNode(site.node) : updatePoint(site.point);
-            else {
-                for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) updateNode(i);
-                for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i) updatePoint(i);
-            }
+            size_t number = 0;
+            forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
+                const FrictionLaw law = lawOf(site);
+                if (round == 0) mobilities_.emplace_back();
+                // Else what shares a node stays together, and nothing crosses between nodes.
+                if (at.count == 1 || law.separation) update(site, law, dt, at, mobilities_[number]);
+                ++number;
+            });
             if (most == 1) continue;
             const double last = changed_;
             isSettled = isDone(pair, isCoupled ? coupledConvergence : convergence);
             if (isSettled || round + 1 == most) continue;
-            if (!isCoupled) goOn(search, pair, changed_ < last ? changed_ / last : 0);
+            if (isCoupled)
+                mix(search, pair, last > 0);
+            else
+                goOn(search, pair, changed_ < last ? changed_ / last : 0);
             note(pair);
         }
         implicit.tell(nodes);
@@ -140,9 +139,12 @@ template <int Dim> class ContactImpulses {
     // Change of the impulses in a round over their size, by the energy of the motion that they make, below which they
     // are done.
     static constexpr double convergence = 1e-6;
-    // Beside an implicit body, whose nodes answer each other; about 6 rounds are taken.
+    // Beside an implicit body.
     static constexpr int mostCoupledRounds = 50;
     static constexpr double coupledConvergence = 1e-4;
+    // By how many times their last change the impulses go on between two rounds, where these go on alike. With 3 and with
+    // 30 a wall of one cell in soil takes as many rounds.
+    static constexpr double mostAhead = 10;
 
     // Looks at nodes: sites that take from each other what one node gets may do so for ever, and move nothing.
     bool isDone(const ContactPair<Dim>& pair, double least) {
@@ -181,16 +183,50 @@ template <int Dim> class ContactImpulses {
             way = part > 0 ? Vec<Dim>(more + step) : more;
         });
     }
-    // visit(site, the nodes that it acts on) for all of a pair.
+    // Beside implicit bodies: the part of the way from the last round to this one after which what a round changes is
+    // least, by the energy of the motion.
+    void mix(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, bool isAny) {
+        double along = 0, square = 0;
+        rest_.resize(pair.endNode - pair.firstNode);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side) {
+                Vec<Dim>& last = rest_[i - pair.firstNode][side];
+                const Vec<Dim> rest = nodes[i].J[side].all - before_[i - pair.firstNode][side],
+                               change = rest - last, moved = nodes[i].inverseMass[side] * change;
+                along += rest.dot(moved);
+                square += change.dot(moved);
+                last = rest;
+            }
+        const double part = isAny && square > 0 ? std::clamp(-along / square, -0.5, mostAhead) : 0;
+        auto course = courses_.begin();
+        forSites(search, pair, [&](ContactSite<Dim>& site, const SiteNodes<Dim>& at) {
+            Vec<Dim>& last = (course++)->before;
+            const Vec<Dim> more = part * (site.J.all - last);
+            last = site.J.all;
+            if (more.isZero(0)) return;
+            implicit.goTo(nodes, at.at, at.count);
+            give(at, {more, Vec<Dim>::Zero()});
+            site.J.all += more;
+        });
+    }
+    // visit(site, the nodes that it acts on) for all of a pair, along implicit bodies.
     template <class Visit>
-    static void forSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, Visit&& visit) {
-        for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
+    void forSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, Visit&& visit) const {
+        const auto visitNode = [&](int i) {
             if (!search.nodes[i].isLeftOut) visit(search.nodes[i], alone(i));
-        for (size_t i = pair.firstPoint; i < pair.endPoint; ++i)
-            visit(search.points[i], search.points[i].sites());
+        };
+        const auto visitPoint = [&](int i) { visit(search.points[i], search.points[i].sites()); };
+        if (!implicit.isEmpty()) {
+            for (const auto& site : implicit.sites())
+                site.node >= 0 ? visitNode(site.node) : visitPoint(site.point);
+            return;
+        }
+        for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) visitNode(i);
+        for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i) visitPoint(i);
     }
     std::vector<std::array<Vec<Dim>, 2>>
-        before_; // impulses on the nodes of the pair before the round in work
+        before_;                                // impulses on the nodes of the pair before the round in work
+    std::vector<std::array<Vec<Dim>, 2>> rest_; // what the last one has changed
     // The same at its sites, and how they went from there, kN s.
     struct Course {
         Vec<Dim> before, way;
@@ -216,24 +252,35 @@ template <int Dim> class ContactImpulses {
         return {1, &node, {&one, &one}};
     }
 
-    // Relative velocities at a site between nodes, and its mobilities.
-    struct Relative {
-        Mat<Dim> mobility = Mat<Dim>::Zero(), startMobility = mobility;
-        Vec<Dim> start = Vec<Dim>::Zero(), w = start;
+    // Of a site, by all that moves its nodes, and by the masses of these alone.
+    struct Mobility {
+        Mat<Dim> all = Mat<Dim>::Zero(), start = all;
+        bool isKnown = false;
     };
+    std::vector<Mobility> mobilities_; // of the sites, in the order of a round
     // shares: for each node the sums of the weights with which sites push its groups; nullptr: a site is alone.
-    Relative relativeAt(const SiteNodes<Dim>& at, const std::array<double, 2>* shares) const {
-        Relative found;
+    Mobility mobilityAt(const SiteNodes<Dim>& at, const std::array<double, 2>* shares) const {
+        Mobility found;
+        found.isKnown = true;
         for (int i = 0; i < at.count; ++i)
             for (int side = 0; side < 2; ++side) {
                 const NodeMotion<Dim>& node = nodes[at.at[i]];
                 const double S = at.S[side][i], weight = S * (shares ? shares[at.at[i]][side] : S);
-                found.mobility += weight * node.inverseMass[side];
-                found.startMobility += weight * node.startInverseMass[side];
-                found.start -= node.sign(side) * S * node.start[side];
+                found.all += weight * node.inverseMass[side];
+                found.start += weight * node.startInverseMass[side];
             }
-        found.w = velocityAt(at);
+        if (at.count > 1 && !implicit.isEmpty()) found.all += implicit.mutualMobility(nodes, at);
         return found;
+    }
+    // Relative velocity at the start.
+    Vec<Dim> startAt(const SiteNodes<Dim>& at) const {
+        Vec<Dim> start = Vec<Dim>::Zero();
+        for (int i = 0; i < at.count; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const NodeMotion<Dim>& node = nodes[at.at[i]];
+                start -= node.sign(side) * at.S[side][i] * node.start[side];
+            }
+        return start;
     }
     // Of the first group against the second.
     Vec<Dim> velocityAt(const SiteNodes<Dim>& at) const {
@@ -259,8 +306,9 @@ template <int Dim> class ContactImpulses {
         });
         addTwins(pair);
         forSites(search, pair, [&](ContactSite<Dim>& site, const SiteNodes<Dim>& at) {
-            const Relative r = relativeAt(at, shares_.data());
-            site.J = lawOf(site).template impulses<Dim>(site, dt, r.mobility, r.startMobility, r.start, r.w);
+            const Mobility mobility = mobilityAt(at, shares_.data());
+            site.J = lawOf(site).template impulses<Dim>(site, dt, mobility.all, mobility.start, startAt(at),
+                                                        velocityAt(at));
         });
         forSites(search, pair,
                  [&](const ContactSite<Dim>& site, const SiteNodes<Dim>& at) { give(at, site.J); });
@@ -275,15 +323,15 @@ template <int Dim> class ContactImpulses {
     std::vector<std::array<double, 2>> shares_;
 
     // The impulse at a site between nodes anew, in view of what the others exchange.
-    void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const SiteNodes<Dim>& at) {
+    void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const SiteNodes<Dim>& at,
+                Mobility& mobility) {
         if (!implicit.isEmpty()) implicit.goTo(nodes, at.at, at.count);
         if (site.J.all.isZero(0) && law.isApart(site, dt, velocityAt(at)))
             return; // and nothing makes it agree
-        auto [mobility, startMobility, start, w] = relativeAt(at, nullptr);
-        if (at.count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at);
-        start += startMobility * site.J.agreeing;
-        w += mobility * site.J.all;
-        const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, startMobility, start, w);
+        if (!mobility.isKnown) mobility = mobilityAt(at, nullptr);
+        const Vec<Dim> start = startAt(at) + mobility.start * site.J.agreeing,
+                       w = velocityAt(at) + mobility.all * site.J.all;
+        const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility.all, mobility.start, start, w);
         const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
         site.J = J;
         if (!more.all.isZero(0) || !more.agreeing.isZero(0)) give(at, more);

@@ -26,10 +26,13 @@ template <int Dim> struct SurroundingNodes {
 };
 
 // The cell of a place along an axis, and the part of it that lies below the place. A place that is nearer to a line than
-// `onLine` lies on it: sites of contact must not depend on the side of the line where round-off puts a surface.
+// `onLine` lies on it: sites of contact must not depend on the side of the line where a face lies that is even but for
+// its elastic strain. A soil has next to no mass just beyond the line: points of one face that reach there by different
+// hairs ask as many velocities of it as there are points, and their impulses do not settle. With half and with twice the
+// value walls at rest and the thrust on a wall are the same within 1 %; with ten times it the foot of a wall loses 7 %.
 struct PlaceInCell {
-    static constexpr double onLine = 1e-6; // cells
-    double below;                          // the line below, in cells
+    static constexpr double onLine = 1e-4, roundOff = 1e-6; // cells
+    double below;                                           // the line below, in cells
 
     explicit PlaceInCell(double cells) : below(std::floor(cells + onLine)) {}
     double partOf(double cells) const {

@@ -92,7 +92,7 @@ template <int Dim> struct PairSearch {
     bool isOnPlane(const Vertex& vertex, int axis) const {
         return vertex.across[axis] > 0 && areBothHeld(vertex.node, axis) &&
                std::abs(vertex.position[axis] - grid().nodePosition(vertex.node)[axis]) <
-                   PlaceInCell::onLine * grid().sizeAt(vertex.position)[axis];
+                   PlaceInCell::roundOff * grid().sizeAt(vertex.position)[axis];
     }
     // Facets on a plane of symmetry are no surface: the surface goes on beyond.
     Vertex withoutPlanes(Vertex vertex) const {

@@ -42,19 +42,19 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     int node, field[2];
     Vec<Dim> position;
     NodalSurface<Dim> surface[2];
-    NodalSurface<Dim> partner; // what of it the second field of a soil has where that is one
-    int edgeOf = -1;           // which of the two has an edge here that the normal is taken from,
-    double sharpness = 0;      // and how much of one, up to 1
-    double shareOfBoxes = 0;   // of the normal, where the other group is a mesh
-    double overlap = 0;        // m, of the surfaces, away from edges of meshes
-    double weight = 0;         // m2, of the surface that normal and gap rest on
-    double owned = 0;          // m2, of the surface of a mesh here, by contact points,
-    double gapOfPoints = 0;    // m3, their gaps times what they own,
-    double scaleOfOwned = 1;   // and what they have of the surface where they do all, over what they own
-    double areaOfPoints = 0;   // m2, for which they stand here: their impulses are on it
-    bool hasPoints = false;    // contact points, which tell better how far the surfaces overlap
-    bool isLeftOut = false;    // contact points do all that it would
-    int twin[2] = {-1, -1};    // number of the contact node on which a side meets another field; -1: none
+    NodalSurface<Dim> sides[2]; // what of it boxes on each side of a wall have where a soil is one
+    int edgeOf = -1;            // which of the two has an edge here that the normal is taken from,
+    double sharpness = 0;       // and how much of one, up to 1
+    double shareOfBoxes = 0;    // of the normal, where the other group is a mesh
+    double overlap = 0;         // m, of the surfaces, away from edges of meshes
+    double weight = 0;          // m2, of the surface that normal and gap rest on
+    double owned = 0;           // m2, of the surface of a mesh here, by contact points,
+    double gapOfPoints = 0;     // m3, their gaps times what they own,
+    double scaleOfOwned = 1;    // and what they have of the surface where they do all, over what they own
+    double areaOfPoints = 0;    // m2, for which they stand here: their impulses are on it
+    bool hasPoints = false;     // contact points, which tell better how far the surfaces overlap
+    bool isLeftOut = false;     // contact points do all that it would
+    int twin[2] = {-1, -1};     // number of the contact node on which a side meets another field; -1: none
     bool acts = false, slides = false, touches = false; // with what it shares with contact points
     // kN s, what the first group loses and the second gets in this step, and what of it is friction.
     Vec<Dim> impulse[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()}, friction[2] = {impulse[0], impulse[1]};

@@ -14,7 +14,9 @@ template <int Dim> class NearbyBoxes {
   public:
     bool isEmpty() const { return found_.empty(); }
 
-    void find(const Scene<Dim>& scene, int field, const NearbyNodes<Dim>& nearby) {
+    // haveSide: only those that have a side of a wall, see PartedSoils.
+    void find(const Scene<Dim>& scene, int field, const NearbyNodes<Dim>& nearby, bool haveSide = false) {
+        haveSide_ = haveSide;
         found_.clear();
         bin_.clear();
         for (auto& body : scene.bodies)
@@ -108,6 +110,7 @@ template <int Dim> class NearbyBoxes {
 
   private:
     static constexpr int atOnce = 4; // boxes, see FourBoxes
+    bool haveSide_ = false;
 
     struct Box {
         Vec<Dim> centre, half;
@@ -146,6 +149,7 @@ template <int Dim> class NearbyBoxes {
                 for (int i = 0; i < count; ++i) {
                     const int near = nearby.number(node[i]);
                     if (near < 0 || (!isSecond.empty() && isSecond[begin + i] != ofSecond)) continue;
+                    if (haveSide_ && !(body.particles.side.plane()[begin + i] > 0)) continue;
                     const Vec<Dim> x = vectorAt<Dim>(position, begin + i);
                     const double thickness = std::max(grid.thicknessAt(x[0]), 1e-9); // m
                     found_.push_back({x, half, V[begin + i] / (thickness * size)});

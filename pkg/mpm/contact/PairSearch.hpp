@@ -44,7 +44,8 @@ template <int Dim> struct PairSearch {
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];
-    NearbyBoxes<Dim> partners[2]; // of the other field of a soil, which counts where both are one
+    NearbyBoxes<Dim> partners[2]; // of the other field of a soil, which counts where both are one,
+    NearbyBoxes<Dim> sided[2];    // and those of this one that have a side
     std::vector<ExplicitSurface<Dim>> surfaces; // per body of the scene
 
     // Whether a soil that a wall parts is one on a node.

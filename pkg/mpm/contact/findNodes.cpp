@@ -60,7 +60,8 @@ void addParts(PairSearch<Dim>& pair, int side,
 template <int Dim> void leaveOutHeld(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     for (int k = 0; k < Dim; ++k)
         if (pair.areBothHeld(contact.node, k))
-            for (auto* surface : {&contact.surface[0], &contact.surface[1], &contact.partner}) {
+            for (auto* surface :
+                 {&contact.surface[0], &contact.surface[1], &contact.sides[0], &contact.sides[1]}) {
                 surface->outward[k] = 0;
                 surface->moment.col(k).setZero();
             }
@@ -72,15 +73,21 @@ template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
     const Grid<Dim>& grid = pair.grid();
     for (int side = 0; side < 2; ++side) {
         pair.boxes[side].find(*pair.scene, pair.field[side], pair.nearby);
-        pair.partners[side].find(*pair.scene, pair.scene->parted.partnerOf(pair.field[side]), pair.nearby);
+        const int partner = pair.scene->parted.partnerOf(pair.field[side]);
+        pair.partners[side].find(*pair.scene, partner, pair.nearby);
+        pair.sided[side].find(*pair.scene, partner < 0 ? -1 : pair.field[side], pair.nearby, true);
         pair.forNodes([&](ContactNode<Dim>& contact) {
             if (!pair.boxes[side].isEmpty())
                 pair.boxes[side].addTo(contact.surface[side], grid, pair.nearby, contact.node,
                                        contact.position);
             if (!pair.isBonded(contact.node) || pair.partners[side].isEmpty()) return;
-            pair.partners[side].addTo(contact.partner, grid, pair.nearby, contact.node, contact.position);
-            contact.surface[side].outward += contact.partner.outward;
-            contact.surface[side].moment += contact.partner.moment;
+            const auto add = [&](const NearbyBoxes<Dim>& boxes, NodalSurface<Dim>& surface) {
+                if (!boxes.isEmpty()) boxes.addTo(surface, grid, pair.nearby, contact.node, contact.position);
+            };
+            add(pair.sided[side], contact.sides[0]);
+            add(pair.partners[side], contact.sides[1]);
+            contact.surface[side].outward += contact.sides[1].outward;
+            contact.surface[side].moment += contact.sides[1].moment;
         });
         pair.forSurfaces(side, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
             surface.find(body, grid, pair.nearby, pair.hidden(side, body));

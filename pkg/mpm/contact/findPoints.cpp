@@ -89,7 +89,7 @@ template <int Dim> struct SmoothVertices {
     int facesAt(int place) const { return faces[bins.point(place)]; }
 };
 
-// Boxes as a node sees them. all: of both fields of a soil where that is one.
+// Boxes as a node sees them. all: those on both sides of a wall, too, where a soil is one.
 template <int Dim> struct SeenBoxes {
     Vec<Dim> outward;
     Mat<Dim> moment;
@@ -99,8 +99,8 @@ SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& cont
     SeenBoxes<Dim> seen{contact.surface[side].outward, contact.surface[side].moment};
     if (!all && pair.isBonded(contact.node)) {
         const bool isSecond = contact.field[side] != pair.field[side];
-        seen.outward = isSecond ? contact.partner.outward : Vec<Dim>(seen.outward - contact.partner.outward);
-        seen.moment = isSecond ? contact.partner.moment : Mat<Dim>(seen.moment - contact.partner.moment);
+        seen.outward -= contact.sides[isSecond ? 0 : 1].outward;
+        seen.moment -= contact.sides[isSecond ? 0 : 1].moment;
     }
     return seen;
 }

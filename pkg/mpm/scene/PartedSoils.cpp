@@ -26,7 +26,8 @@ constexpr double fromEnd = 1;
 constexpr double atBorder = 0.5;
 constexpr double ofNone = 1e-6;     // cells, a distance that is round-off
 constexpr double beyondAll = 1e300; // m
-constexpr int support = 3;          // nodes that a box reaches along an axis
+constexpr int support = 3;          // nodes that a box reaches along an axis,
+constexpr double touching = 1e-9;   // and the weight of one that it only touches, but for round-off
 
 // Middle of particles and the direction in which they are spread least.
 template <int Dim> struct Spread {
@@ -109,6 +110,17 @@ template <int Dim, class F> void forNodesFrom(const Grid<Dim>& grid, int node, i
         }
         if (isInGrid) f(other);
     }
+}
+
+// Whether a box lies beyond an end of a wall.
+template <int Dim, class Wall>
+bool isBeyond(const Grid<Dim>& grid, const Wall& wall, const Vec<Dim>& x, const Vec<Dim>& half) {
+    const Vec<Dim> room = (fromEnd - ofNone) * grid.sizeAt(wall.middle);
+    bool is = false;
+    for (int k = 0; k < Dim; ++k)
+        is |= k != wall.across &&
+              (x[k] + half[k] < wall.lower[k] - room[k] || x[k] - half[k] > wall.upper[k] + room[k]);
+    return is;
 }
 
 } // namespace
@@ -221,6 +233,13 @@ template <int Dim> void PartedSoils<Dim>::divide(Scene<Dim>& scene, bool mayDeci
             const auto sideOf = [&](int p, int number) {
                 const Wall& wall = walls_[number];
                 const Vec<Dim> x = vectorAt<Dim>(position, p);
+                if (isBeyond(scene.grid, wall, x, body->domains->boxes()->halfSize())) {
+                    bool isReached = false;
+                    body->domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
+                        isReached |= phi > touching && soil.parts[node];
+                    });
+                    if (!isReached) return 0;
+                }
                 const Vec<Dim> middle =
                     middleBeside<Dim>(scene.bodies[wall.body]->particles.position, wall.middle, wall.normal,
                                       x, scene.grid.sizeAt(x).maxCoeff());

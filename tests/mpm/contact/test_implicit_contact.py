@@ -183,7 +183,7 @@ def test_two_bodies_that_answer_in_different_ways():
 
 @pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_rounds_settle(friction):
-    """Where they do not: test_parted_soil.py. Without the mean of two rounds single steps with friction end early."""
+    """Where they do not: test_parted_soil.py. Without mixing, steps with friction end early."""
     scene = pileAndTower()
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
     contact.friction = friction

@@ -16,24 +16,35 @@ H, WAY, SPEED = 0.5, 0.1, 0.1  # m, m, m/s
 
 
 def pushed(
-    thickness=0.5, asOne=True, implicit=True, threads=1, scheme="MUSL", beside=False, mirrored=False, **law
+    thickness=0.5,
+    asOne=True,
+    implicit=True,
+    threads=1,
+    scheme="MUSL",
+    beside=False,
+    mirrored=False,
+    toe=0.0,
+    **law,
 ):
     """Scene of a wall pushed sideways into sand, with sand behind it: one body or one on each side; beside: a
-    mesh goes with it; mirrored: to the left. Returns also the bodies of sand and the wall."""
+    mesh goes with it; mirrored: to the left; toe: height of the wall's lower end, m. Returns also the bodies
+    of sand and the wall."""
     scene = mpm.Scene((0, 0), (8, 3), H, threads=threads)
     scene.scheme = scheme
     left, right = (4.0, 4.0 + thickness) if mirrored else (4.0 - thickness, 4.0)
     sand = mpm.MohrCoulombDruckerPrager(**SAND)
     parts = [box((0, 0), (left, 2)), box((right, 0), (8, 2))]
+    if toe:
+        parts.append(box((left, 0), (right, toe)))
     soils = [
         scene.add(f"soil {i}", region, sand, mpm.UGIMP(perCell=2), group="soil")
-        for i, region in enumerate([parts[0] | parts[1]] if asOne else parts)
+        for i, region in enumerate([sum(parts[1:], parts[0])] if asOne else parts)
     ]
     if beside:
         scene.add("mesh", box((0, 2), (0.5, 2.5)), sand, mpm.APDI(size=0.25), group="soil")
     steel = mpm.LinearElastic(density=2.4, young=1e6, poisson=0.0)
     wall = scene.add(
-        "wall", box((left, 0), (right, 2)), steel, mpm.APDI(size=0.25), group="wall", implicit=implicit
+        "wall", box((left, toe), (right, 2)), steel, mpm.APDI(size=0.25), group="wall", implicit=implicit
     )
     scene.initialStress(surface=2, K0=0.5, bodies=soils)
     scene.engines = chain(
@@ -67,14 +78,17 @@ def test_soil_moves_as_far_as_a_thin_wall(thickness, constraints, asOne):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("thickness", [0.25, 0.5, 0.75])
-@pytest.mark.parametrize("constraints", ["auto", "nodes"])
-def test_mirror_images_of_a_wall_agree(thickness, friction, constraints):
+@pytest.mark.parametrize("constraints, toe", [("auto", 0), ("nodes", 0), ("auto", 0.75)])
+def test_mirror_images_of_a_wall_agree(thickness, friction, constraints, toe):
     """Which side of the wall has the second field is a matter of names. Nodes beside the wall took gap and
-    normal of nodes where both fields are one for the first field alone, and points that did not slip to the last
-    bit stuck without friction: 0.5 of the largest velocity in 80 steps."""
+    normal of nodes where both fields are one for the first field alone, points that did not slip to the last
+    bit stuck without friction, and all below the toe was taken for that of one side: 0.5 of the largest
+    velocity in 80 steps."""
     found = []
     for mirrored in (False, True):
-        scene, [soil], _ = pushed(thickness, mirrored=mirrored, friction=friction, constraints=constraints)
+        scene, [soil], _ = pushed(
+            thickness, mirrored=mirrored, friction=friction, constraints=constraints, toe=toe
+        )
         scene.dt = 1e-3
         scene.run(steps=80, progress=False)
         sign = -1 if mirrored else 1
@@ -83,7 +97,10 @@ def test_mirror_images_of_a_wall_agree(thickness, friction, constraints):
         found.append((x[order], soil.velocity[order] * (sign, 1)))
     (x, v), (mirroredX, mirroredV) = found
     assert abs(x - mirroredX).max() < 1e-6  # the same particles
-    assert abs(v - mirroredV).max() < 1e-5 * abs(v).max()
+    room = (
+        1e-3 if toe else 1e-5
+    )  # at a toe sites of contact follow each other, and rounds end before they settle
+    assert abs(v - mirroredV).max() < room * abs(v).max()
 
 
 def test_soil_whose_group_has_a_mesh_moves_half_as_far():
@@ -207,8 +224,8 @@ def test_a_wall_at_rest_keeps_still_and_the_soil_its_pressure():
 @pytest.mark.parametrize("cell", [0.5, 1.0])
 def test_a_symmetric_wall_at_rest_has_no_moment(cell):
     """A sheet pile as in scripts/propped_wall.py, of 6.5 m and a cell across, before anything is dug away.
-    Impulses at points of its faces that had crossed a line of the grid by some 1e-6 cells did not settle: 4 and
-    16 kN m/m."""
+    Impulses at points of its faces that had crossed a line of the grid by some 1e-6 cells did not settle:
+    4 and 16 kN m/m."""
     width = 16 + cell
     scene = mpm.Scene((0, 0), (width, 9), cell, gravity=9.81, damping=0.5, threads=1)
     scene.fix("bottom")

@@ -8,6 +8,7 @@
 // loses energy (Zytynski et al. 1978, Int. J. Numer. Anal. Methods Geomech. 2, 87-93).
 #pragma once
 
+#include "mpm/material/FollowingPressure.hpp"
 #include "mpm/material/Material.hpp"
 #include "mpm/material/pressureDependence.hpp"
 
@@ -34,10 +35,12 @@ template <int N> double volumetricStrain(const MaterialPoints<N>& points, int i)
 // or hasPotential = true and
 //     template <int Dim> void linearEnergy(const MaterialPoints<Dim>&, double*) const    by the current volume
 // and divides an initial stress by secantAt(stress).
-template <class Derived> class StiffeningOf : public MaterialOf<Derived> {
+template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public FollowingPressure {
   public:
     static constexpr bool hasPotential = false;
 
+    // With a potential the stress comes from the strain in each step.
+    bool followsPressure() const override { return pressure_.isGiven() && !Derived::hasPotential; }
     std::array<double, 2> lame() const override {
         const double factor = pressure_.isGiven() ? pressure_.tangent(0) : 1;
         return {factor * self().moduli()[0], factor * self().moduli()[1]};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Step 5: velocity gradient, deformation, volume, stress, and the vertices of the domains.
 #include "mpm/base/parallel/OrderedSum.hpp"
+#include "mpm/material/FollowingPressure.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/step/BoxParts.hpp"
 #include "mpm/step/Conversion.hpp"
@@ -82,7 +83,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
     std::tuple<NeighbourMeans<2>, NeighbourMeans<3>> means_;
-    std::vector<char> opens_; // whether a chunk of the body at hand has a particle that stands open
+    std::vector<double> bulk_; // of the particles of the body at hand, kPa
+    std::vector<char> opens_;  // whether a chunk of the body at hand has a particle that stands open
 
     // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
     template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
@@ -231,8 +233,47 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         if (hasOpened || atOnce) region.chunks(n, takeMeans);
         cells.template average<true>(region, volume, of, [](int, auto&) {});
         cells.giveLinear(region, scene.grid);
+        const auto* following = dynamic_cast<const FollowingPressure*>(body.material.get());
+        if (following && following->followsPressure()) return keepElasticVolume(region, body);
         region.chunks(n, [&](int begin, int end) {
-            if (!cells.areAlone(begin)) takeLinear(body, begin, end);
+            if (cells.areAlone(begin)) return;
+            cells.collect(begin, end);
+            takeLinear(body, begin, end);
+        });
+    }
+    // With moduli of the pressure, what keeps the mean stress of a cell changes its elastic volume. So each particle takes
+    // the linear change d, and all of a cell give back the mean of the elastic strain that it makes, the integral of
+    // dp/K by Simpson's rule.
+    template <int Dim> void keepElasticVolume(ParallelRegion& region, Body<Dim>& body) {
+        auto& cells = body.cellAverage;
+        const int n = body.particles.size();
+        double* value = cells.values();
+        region.once([&] { bulk_.resize(std::max(bulk_.size(), size_t(n))); });
+        region.chunks(n, [&](int begin, int end) {
+            if (cells.areAlone(begin)) return;
+            cells.collect(begin, end);
+            double half[chunkSize], bulk[3][chunkSize], mu[chunkSize];
+            for (int p = begin; p < end; ++p) half[p - begin] = 0.5 * value[p];
+            for (int part = 0; part < 3; ++part) {
+                if (part > 0) addMean(body, begin, end, half);
+                body.stiffness(begin, end, bulk[part], mu);
+                for (int i = 0; i < end - begin; ++i) bulk[part][i] += 2.0 / 3 * mu[i];
+            }
+            for (int i = 0; i < end - begin; ++i) {
+                value[begin + i] = half[i] / 3 * (1 / bulk[0][i] + 4 / bulk[1][i] + 1 / bulk[2][i]);
+                bulk_[begin + i] = bulk[2][i];
+            }
+            addPlastic(body, begin, end, value + begin);
+        });
+        const auto of = [&](int p) { return value[p]; };
+        cells.template average<false>(region, body.particles.volume.plane(), of, [&](int number, auto& cell) {
+            cells.give(number, [&](int, int) { return -cell.mean; });
+        });
+        region.chunks(n, [&](int begin, int end) {
+            if (cells.areAlone(begin)) return;
+            cells.collect(begin, end);
+            for (int p = begin; p < end; ++p) value[p] *= bulk_[p];
+            takeLinear(body, begin, end);
         });
     }
 
@@ -316,17 +357,27 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // The mean stress of particles [begin, end) becomes linear in their cells, while their volume stays: what the
     // elastic strain of one has gained, its plastic strain has lost to others of the cell.
     template <int Dim> static void takeLinear(Body<Dim>& body, int begin, int end) {
-        double *stress[3], *change = body.cellAverage.values();
-        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
-        body.cellAverage.collect(begin, end);
-        for (int k = 0; k < 3; ++k)
-            for (int p = begin; p < end; ++p) stress[k][p] += change[p];
+        double* change = body.cellAverage.values();
+        addMean(body, begin, end, change + begin);
+        if (body.material->volumeRecord().plasticStrain < 0) return;
+        double lambda[chunkSize], mu[chunkSize], strain[chunkSize];
+        body.stiffness(begin, end, lambda, mu);
+        for (int i = 0; i < end - begin; ++i) strain[i] = change[begin + i] / (lambda[i] + 2.0 / 3 * mu[i]);
+        addPlastic(body, begin, end, strain);
+    }
+    // The same mean stress to all axes, change[0] to particle `begin`.
+    template <int Dim> static void addMean(Body<Dim>& body, int begin, int end, const double* change) {
+        for (int k = 0; k < 3; ++k) {
+            double* stress = body.particles.stress.plane(4 * k);
+            for (int p = begin; p < end; ++p) stress[p] += change[p - begin];
+        }
+    }
+    // Elastic strain that the rates did not make was plastic before.
+    template <int Dim> static void addPlastic(Body<Dim>& body, int begin, int end, const double* elastic) {
         const int plastic = body.material->volumeRecord().plasticStrain;
         if (plastic < 0) return;
-        double lambda[chunkSize], mu[chunkSize], *strain = body.particles.state[plastic].plane();
-        body.stiffness(begin, end, lambda, mu);
-        for (int p = begin; p < end; ++p)
-            strain[p] -= change[p] / (lambda[p - begin] + 2.0 / 3 * mu[p - begin]);
+        double* strain = body.particles.state[plastic].plane();
+        for (int p = begin; p < end; ++p) strain[p] -= elastic[p - begin];
     }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The impulses of a pair of groups on all its contact nodes and points, which follow each other: projected
 // Gauss-Seidel, with the steps of conjugate gradients between its rounds (Silcowitz-Hansen, Niebe & Erleben 2010), beside
-// implicit bodies, whose nodes answer each other, with the mean of the last two rounds (Anderson 1965). Where it ends
+// implicit bodies, whose nodes answer each other, along the line through the last two rounds (Anderson 1965). Where it ends
 // early, the impulses depend on which site comes first, and those of a mirror image differ.
 #pragma once
 

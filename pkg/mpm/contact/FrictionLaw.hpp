@@ -122,7 +122,7 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const double borne = adhesion * site.area * dt;
     const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed + carried, 0.0) + borne;
     J.sticks =
-        t.isZero(0) && (!slip || limit > 0); // a smooth surface never does, be its slip zero or round-off
+        t.isZero(0) && (!slip || limit > 0); // without a limit nothing does, be its slip zero or round-off
     if (t.isZero(0) || !(along > 0 || slip)) return J;
     if (!(along > 0)) {
         J.all += limit * t;

@@ -272,8 +272,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             cells.collect(begin, end);
+            addPlastic(body, begin, end, value + begin);
             for (int p = begin; p < end; ++p) value[p] *= bulk_[p];
-            takeLinear(body, begin, end);
+            addMean(body, begin, end, value + begin);
         });
     }
 

@@ -36,6 +36,8 @@ UNITS = {
     "kPa s^n": (-1, 1, -1),
 }
 NORMALS = {(-1, 0): "left", (1, 0): "right", (0, -1): "bottom", (0, 1): "top"}
+NORMALS |= {(-1, 0, 0): "left", (1, 0, 0): "right", (0, -1, 0): "front", (0, 1, 0): "back"}
+NORMALS |= {(0, 0, -1): "bottom", (0, 0, 1): "top"}
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class Block:
     velocity: np.ndarray  # m/s
     units: tuple = (1.0, 1.0, 1.0)  # m, Mg and s in those of the scene
     implicit: bool = False
+    fbar: bool | None = None  # None: what the scene chooses
 
 
 @dataclass(frozen=True)
@@ -64,20 +67,31 @@ class Layout:
     contact: dict = field(default_factory=dict)  # empty: the groups stick together
     adhesion: float = 0.0
     dt: float = 0.0
+    grading: tuple | None = None  # lines across each axis, m
+    rings: bool = False  # symmetric about x = 0
+    load: str = ""  # on the last block: "pressure", "drive", "spring"
 
     def build(self, threads=1):
         """The scene, and its bodies in the order of the blocks."""
+        grid = dict(grading=self.grading, axisymmetric=self.rings)
         scene = mpm.Scene(
-            tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads
+            tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads, **grid
         )
-        bodies = [scene.add(*self.parts(b), group=b.group, implicit=b.implicit) for b in self.blocks]
+        bodies = [
+            scene.add(*self.parts(b), group=b.group, implicit=b.implicit, fbar=b.fbar) for b in self.blocks
+        ]
         for block, body in zip(self.blocks, bodies):
             body.velocity = tuple(block.velocity)
         faces = {"roller": self.roller, "fixed": self.fixed}
         walls = {name: tuple(NORMALS[normal] for normal in normals) for name, normals in faces.items()}
         contact = mpm.Contact(adhesion=self.adhesion, **self.contact) if self.contact else None
+        before, drive = loads(self.load, self.blocks[-1], bodies[-1])
         scene.engines = chain(
-            contact=contact, gravity=tuple(self.gravity), **{k: v for k, v in walls.items() if v}
+            *before,
+            contact=contact,
+            gravity=tuple(self.gravity),
+            drive=drive,
+            **{k: v for k, v in walls.items() if v},
         )
         scene.dt = self.dt or 0.4 * scene.criticalTimeStep()
         return scene, bodies
@@ -133,6 +147,19 @@ class Layout:
         )
 
 
+def loads(name, block, body):
+    """Engines before the solver, and drives, that load a body from outside: 4 kPa, 0.5 m/s or 200 kN/m."""
+    middle, up = (block.lower + block.upper) / 2, len(block.lower) - 1
+    if name == "pressure":
+        corners = tuple(block.lower[:up]), tuple(block.upper[:up])
+        return [mpm.SurfaceLoad(body, np.squeeze(corners), pressure=4.0)], []
+    if name == "spring":
+        above = tuple(middle + 2 * CELL * (np.arange(up + 1) == up))
+        return [mpm.Spring(body, at=tuple(middle), to=above, stiffness=200.0)], []
+    velocity = (None,) * up + (-0.5,)
+    return [], [mpm.Drive(body.above(middle[-1]), velocity=velocity, ramp=0.01)] if name == "drive" else []
+
+
 def freeLayout(seed, contact=None):
     """The same bodies far from the walls and without gravity: nothing acts on them from outside."""
     layout = randomLayout(seed, contact)
@@ -185,6 +212,84 @@ def randomLayout(seed, contact=None):
         adhesion=float(rng.choice([0, 1.0])) if contact else 0.0,
         dt=4e-4,
     )
+
+
+def wideLayout(seed, free=False):
+    """A random layout whose dimension, grid, loads, F-bar and implicit bodies are by chance, too.
+
+    free : whether nothing acts on the bodies from outside.
+    """
+    layout = freeLayout(seed) if free else randomLayout(seed)
+    rng = np.random.default_rng([seed, int(free)])
+    dim = str(rng.choice(["plane", "rings", "space"]))
+    areEven = any(b.type == "BSpline" for b in layout.blocks)  # a kernel for equal cells
+    isGraded = rng.integers(2) and not areEven
+    blocks = tuple(replace(b, **chosen(b, rng, layout, dim)) for b in layout.blocks)
+    load = "" if free else str(rng.choice(["", "pressure", "drive", "spring"]))
+    layout = replace(layout, blocks=blocks, load=load)
+    if isGraded:
+        layout = graded(layout)
+    if dim == "rings":
+        return inRings(layout)
+    return inSpace(layout, int(rng.integers(2, 4)), free) if dim == "space" else layout
+
+
+def chosen(block, rng, layout, dim):
+    """What is by chance in a block besides: F-bar, whether it is implicit; in rings a type made for them."""
+    type = block.type if dim != "rings" or block.type != "BSpline" else "UGIMP"
+    isElastic = block.law in ("LinearElastic", "NeoHookean") and type != "BSpline"
+    implicit = bool(rng.integers(2)) and isElastic and layout.scheme != "USF"
+    fbar = (None, False, True)[rng.integers(3)]
+    return dict(type=type, implicit=implicit, fbar=None if implicit else fbar)
+
+
+def graded(layout):
+    """The layout with cells of one, one and a half and two times the size away from x = 3.5 m and from the
+    height of 2 m: boxes lie on lines of half a cell, meshes on those of the grid."""
+    lines = []
+    for low, high, even in zip(layout.lower, layout.upper, (3.5, 2.0)):
+        away = np.abs(np.arange(low + CELL / 2, high, CELL) - even) / CELL
+        sizes = 1 + np.clip(np.floor(away - 3), 0, 2) / 2
+        lines.append(low + np.cumsum([0, *sizes * CELL]))
+
+    def at(corner):
+        cells = np.rint((corner - layout.lower) / CELL).astype(int)
+        return np.array([x[i] for x, i in zip(lines, cells)])
+
+    blocks = tuple(replace(b, lower=at(b.lower), upper=at(b.upper)) for b in layout.blocks)
+    return replace(layout, blocks=blocks, upper=at(layout.upper), grading=tuple(lines))
+
+
+def inRings(layout):
+    """The layout about the line x = 0, which is the axis where its grid begins there."""
+    shift = np.array([-layout.lower[0], 0])
+    blocks = tuple(replace(b, lower=b.lower + shift, upper=b.upper + shift) for b in layout.blocks)
+    grading = layout.grading and (layout.grading[0] + shift[0], layout.grading[1])
+    more = dict(lower=layout.lower + shift, upper=layout.upper + shift, grading=grading)
+    return replace(layout, rings=True, blocks=blocks, gravity=layout.gravity * (0, 1), **more)
+
+
+def inSpace(layout, cells, free):
+    """The layout in 3D, a few cells across: the bed all the way, the blocks from one of its sides on."""
+    room = 4 if free else 0
+
+    def between(xy, across):
+        return np.insert(np.asarray(xy, dtype=float), 1, across * layout.cell)
+
+    def block(n, b):
+        wide = cells if n == 0 else cells - 1
+        return replace(
+            b, lower=between(b.lower, 0), upper=between(b.upper, wide), velocity=between(b.velocity, 0)
+        )
+
+    blocks = tuple(block(n, b) for n, b in enumerate(layout.blocks))
+    lower, upper = between(layout.lower, -room), between(layout.upper, cells + room)
+    across = np.arange(-room, cells + room + 1) * layout.cell
+    grading = layout.grading and (layout.grading[0], across, layout.grading[1])
+    roller = tuple((n[0], 0, n[1]) for n in layout.roller) + ((0, -1, 0), (0, 1, 0)) * (not free)
+    fixed = tuple((n[0], 0, n[1]) for n in layout.fixed)
+    more = dict(lower=lower, upper=upper, grading=grading, roller=roller, fixed=fixed)
+    return replace(layout, blocks=blocks, gravity=between(layout.gravity, 0), **more)
 
 
 def order(points):

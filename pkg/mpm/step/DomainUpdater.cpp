@@ -131,10 +131,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 updateStress<N>(body, scene.dt, begin, end, state.data(),
                                 body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
         };
-        // The volume of a domain is that between its vertices; boxes have what the stress sees.
-        const bool follows = body.fbar && body.domains->boxes();
+        // F follows what the stress sees. So do the volumes of boxes; that of a domain is between its vertices.
         const auto rest = [&](int begin, int end) {
-            const double* dilation = follows ? body.cellAverage.values() + begin : nullptr;
+            const double* dilation = body.fbar ? body.cellAverage.values() + begin : nullptr;
             double advanced[chunkSize];
             if (body.domains->boxes()) advanceVolumes<N>(body, scene.dt, begin, end, dilation, advanced);
             dilation ? deform<true, N>(body.particles, scene.dt, begin, end, dilation)

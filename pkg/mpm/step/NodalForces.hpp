@@ -28,8 +28,8 @@ template <int Dim> class NodalForces {
             const auto& nodal = scene_->grid.fields[field];
             // Where a parted soil is one the first half of the memory has all.
             const int at = nodal.sum[node][NF::mass] > 0 ? node : node % scene_->grid.count;
-            for (int k = 0; k < Dim; ++k)
-                work += 0.5 * dt * force[k] * (NF::velocityAtStart(nodal.sum[at], k) + nodal.motion[at][k]);
+            const Vec<Dim> start = velocityAtStart(field, at);
+            for (int k = 0; k < Dim; ++k) work += 0.5 * dt * force[k] * (start[k] + nodal.motion[at][k]);
         }
         if (scene_) scene_->energies.loads += work;
         given_.clear();
@@ -43,6 +43,20 @@ template <int Dim> class NodalForces {
     };
     Scene<Dim>* scene_ = nullptr;
     std::vector<Given> given_;
+
+    // What particles gave to an image behind a roller is with the node before it.
+    Vec<Dim> velocityAtStart(int field, int node) const {
+        Vec<Dim> v, sign = Vec<Dim>::Ones();
+        const auto& sums = scene_->grid.fields[field].sum;
+        if (!(sums[node][NF::mass] > 0))
+            for (const auto& image : scene_->mirrors.images())
+                if (image.field == field && image.ghost == node) {
+                    node = image.node, sign = image.sign;
+                    break;
+                }
+        for (int k = 0; k < Dim; ++k) v[k] = sign[k] * NF::velocityAtStart(sums[node], k);
+        return v;
+    }
 };
 
 // Particles of a body that take a force together, by parts that add up to one.

@@ -348,8 +348,11 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }
+        // Only what has stuck strains as one: a stop along a surface that bears nothing would do no work, and the force
+        // behind it would. Under USF nothing is known of it yet.
+        const bool isSolved = state.solved == scene.step;
         state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>& site) {
-            return FrictionLaw{0, 0, slip && !site.sticks, separation, impactLoss};
+            return FrictionLaw{0, 0, isSolved ? !site.sticks : slip, separation, impactLoss};
         });
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const ContactNode<Dim>& contact = search.nodes[i];

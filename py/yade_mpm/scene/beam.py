@@ -131,7 +131,7 @@ class Beam:
         points = self._divided(scene, name, self.line)
         places = [points]
         faces = _faces(points[:, self._plane], self.thickness, self.isClosed)
-        self._checkFaces(name, points, faces)
+        self._checkFaces(scene, name, points, faces)
         if self.width is None:
             faces = [face[:, None] for face in faces]
         else:
@@ -154,27 +154,52 @@ class Beam:
 
     def _divided(self, scene, name, line):
         """Points of a line at the ends of the domains, a cell of the grid there apart or a little more."""
-        parts = [line[:1]]
-        for start, end in zip(line[:-1], line[1:]):
+        parts, longer = [line[:1]], self._longerAtTurns(line)
+        for k, (start, end) in enumerate(zip(line[:-1], line[1:])):
             length, part = np.linalg.norm(end - start), np.linspace(0, 1, SAMPLES + 1)
             middle = start + (end - start) * ((part[1:] + part[:-1]) / 2)[:, None]
             cells = scene.cellSizeAt(middle).max(axis=1)
             self._checkSize(name, start, length, cells.min(), cells.max())
             passed = np.cumsum([0, *(length / SAMPLES / (self.size or cells) * np.ones(SAMPLES))])
-            n = max(1, int(passed[-1] + MISSED))
-            at = np.interp(np.arange(1, n + 1) / n * passed[-1], passed, part)
+            first, last = self._shares(longer[k : k + 2], cells[[0, -1]])
+            n = max(1, int(passed[-1] - first - last + MISSED))
+            between = first + np.arange(1, n) / n * (passed[-1] - first - last)
+            ends = np.append(between, passed[-1])
+            at = np.interp(ends, passed, part)
             parts.append(start + (end - start) * at[:, None])
         return np.concatenate(parts)
 
-    def _checkFaces(self, name, points, faces):
-        """Refuses a thickness of which nothing is left on the inner side of a turn."""
-        along = np.diff(points[:, self._plane], axis=0)
-        shortest = np.min([(np.diff(face, axis=0) * along).sum(axis=1) for face in faces], axis=0)
-        if (shortest <= SLACK * (along**2).sum(axis=1)).any():
-            at = points[1:][np.argmin(shortest)]
+    def _longerAtTurns(self, line):
+        """By how much a domain beside each point of the line is longer than others, m: its inner face is
+        shorter than the line where this turns, and within a cell the grid is linear, so that sections closer
+        to each other there would turn alike."""
+        turn = np.zeros(len(line))
+        unit = np.diff(line, axis=0)
+        unit /= np.linalg.norm(unit, axis=1)[:, None]
+        turn[1:-1] = np.arccos(np.clip((unit[1:] * unit[:-1]).sum(axis=1), -1, 1))
+        if np.array_equal(line[0], line[-1]):
+            turn[[0, -1]] = np.arccos(np.clip(unit[-1] @ unit[0], -1, 1))
+        return 0.5 * self.thickness * np.tan(turn / 2)
+
+    def _shares(self, longer, cells):
+        """The same in domains, of both ends of a piece of the line; no domain has two cells."""
+        size = self.size or cells
+        return np.minimum(longer, (2 - SLACK) * cells - size) / size
+
+    def _checkFaces(self, scene, name, points, faces):
+        """Refuses a thickness that leaves less than a cell on the inner side of a turn."""
+        along = np.diff(points, axis=0)
+        length = np.linalg.norm(along, axis=1)
+        unit = along[:, self._plane] / length[:, None]
+        inner = np.min([(np.diff(face, axis=0) * unit).sum(axis=1) for face in faces], axis=0)
+        cell = scene.cellSizeAt((points[1:] + points[:-1]) / 2).max(axis=1)
+        worst = np.argmin(inner / np.minimum(cell, length))
+        if inner[worst] < (1 - MISSED) * min(cell[worst], length[worst]):
             raise ValueError(
-                f"body '{name}': thickness = {self.thickness:g} m of a Beam leaves no inner face where its "
-                f"line turns near {placeText(at)}; give a smaller thickness, a larger size, or more turns"
+                f"body '{name}': thickness = {self.thickness:g} m of a Beam leaves "
+                f"{max(0, inner[worst]):.4g} m between its sections on the inner side of the turn near "
+                f"{placeText(points[worst + 1])}, less than a cell of {cell[worst]:g} m, which makes it too "
+                "stiff; give a smaller thickness, points farther apart, or smaller cells"
             )
 
     def _checkSize(self, name, start, length, least, most):

@@ -174,8 +174,8 @@ def add(*beside, dim=2, size=None, **options):
     ("body 'wall': domains of a Beam ... 0.2 m long", lambda: add(size=0.2)),
     ("body 'wall': size = 0.5 m of a Beam ... two cells of 0.25 m or more", lambda: add(size=0.5)),
     (
-        "body 'wall': thickness = 0.5 m of a Beam leaves no inner face ... near (2, 1)",
-        lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", beam([(1, 1), (2, 1), (2, 2)], thickness=0.5)),
+        "thickness = 0.55 m of a Beam leaves 0.225 m ... near (2, 1), less than a cell of 0.25 m",
+        lambda: mpm.Scene((0, 0), (4, 4), 0.25).add("wall", beam([(1, 1), (2, 1), (2, 2)], thickness=0.55)),
     ),
     ("body 'wall': material is given, and a Beam has it", lambda: add(elastic())),
     ("body 'wall': a Beam is implicit", lambda: add(implicit=False)),

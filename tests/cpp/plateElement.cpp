@@ -10,7 +10,19 @@ namespace mpm {
 namespace {
 
 const PlateElement::Plastic none{};
-constexpr double A = 2, B = 1.5, T = 0.4, EA = 1e3, EI = 20;
+constexpr double A = 2, B = 1.5, T = 0.4, EA = 1e3, EI = 20, Nu = 0.3;
+constexpr double rigid = SectionStiffness::none;
+// A ninth of the stiffness along the width, and Poisson's ratio.
+const SectionStiffness orthotropic{EA, EI, rigid, rigid, EA / 9, EI / 9, Nu};
+
+// 1/2 (k0^2 D0 + k1^2 D1 + 2 nu S k0 k1 + 2 (1 - nu) S k2^2), with D over 1 - nu^2, and S the root of D0 D1.
+double byHand(const Vec<3>& k, double along, double across, double nu) {
+    const double S = std::sqrt(along * across);
+    return 0.5 *
+           (along * k[0] * k[0] + across * k[1] * k[1] + 2 * nu * S * k[0] * k[1] +
+            2 * (1 - nu) * S * k[2] * k[2]) /
+           (1 - nu * nu);
+}
 
 // Fibres at the corners of a rectangle, each with its middle and the slope of its end.
 template <class Middle, class Normal> Corners<3> plate(Middle&& middle, Normal&& normal) {
@@ -52,7 +64,7 @@ double energy(const PlateElement& element, const Corners<3>& x) {
 }
 
 TEST(PlateElement, RowsAreTheGradientsOfItsStrains) {
-    const PlateElement element(flat(), {EA, EI, 400}, false);
+    const PlateElement element(flat(), {EA, EI, 400, rigid, EA / 9, EI / 9, Nu}, false);
     const double step = 1e-6;
     const auto s = element.strained(deformed(), none);
     for (int a = 0; a < 8; ++a)
@@ -75,20 +87,19 @@ TEST(PlateElement, TurningAndMovingDoNotStrainIt) {
 }
 
 TEST(PlateElement, ConstantCurvaturesAndTwistAreExact) {
-    for (double GA : {SectionStiffness::none, 100.0}) {
-        const PlateElement element(flat(), {EA, EI, GA}, false);
+    for (const auto& section : {SectionStiffness{EA, EI}, {EA, EI, 100.0}, orthotropic}) {
+        const PlateElement element(flat(), section, false);
         const double small = 1e-4;
         for (const auto& k : {Vec<3>(1, 0, 0), Vec<3>(0, 1, 0), Vec<3>(0, 0, 1), Vec<3>(0.3, -0.7, 0.5)}) {
-            const double exact =
-                0.5 * EI * (k[0] * k[0] + k[1] * k[1] + 2 * k[2] * k[2]) * A * B * small * small;
+            const double across = section.poisson > 0 ? EI / 9 : EI;
+            const double exact = byHand(k, EI, across, section.poisson) * A * B * small * small;
             EXPECT_NEAR(energy(element, bent(small * k[0], small * k[1], small * k[2])), exact, 1e-6 * exact);
         }
     }
 }
 
-// The membrane of a plate without Poisson's ratio: E t (ex^2 + ey^2 + gxy^2/2)/2.
 TEST(PlateElement, ConstantStrainsOfTheMembraneAreExact) {
-    const PlateElement element(flat(), {EA, EI}, false);
+    const PlateElement element(flat(), orthotropic, false);
     const double small = 1e-6;
     for (const auto& e : {Vec<3>(1, 0, 0), Vec<3>(0, 1, 0), Vec<3>(0, 0, 1), Vec<3>(0.3, -0.7, 0.5)}) {
         const auto middle = [&](double u, double v) {
@@ -96,8 +107,7 @@ TEST(PlateElement, ConstantStrainsOfTheMembraneAreExact) {
                           0);
         };
         const Corners<3> x = plate(middle, [](double, double) { return Vec<3>(0, 0, 1); });
-        const double exact =
-            0.5 * EA * (e[0] * e[0] + e[1] * e[1] + 0.5 * e[2] * e[2]) * A * B * small * small;
+        const double exact = byHand({e[0], e[1], 0.5 * e[2]}, EA, EA / 9, Nu) * A * B * small * small;
         EXPECT_NEAR(energy(element, x), exact, 1e-5 * exact);
     }
 }
@@ -146,50 +156,67 @@ PlateElement::Plastic plastic() {
 
 // Its gradient over the plastic curvatures is minus the moment.
 TEST(PlateElement, MomentsAtTheGaussPointsAreTheGradientsOfTheEnergy) {
-    const PlateElement element(flat(), {EA, EI}, false);
-    const double step = 1e-5;
-    const auto s = element.strained(deformed(), plastic());
-    for (int f = 0; f < 4; ++f) {
-        double moment[3];
-        element.forces(s, f, [&](SectionState what, double value) {
-            if (what == bendingMoment) moment[0] = -value;
-            if (what == hoopMoment) moment[1] = -value;
-            if (what == twistingMoment) moment[2] = -2 * value; // by both of its components
-        });
-        for (int i = 0; i < 3; ++i) {
-            auto more = plastic(), less = plastic();
-            more[3 * f + i] += step;
-            less[3 * f + i] -= step;
-            const double up = element.energy(element.strained(deformed(), more));
-            const double down = element.energy(element.strained(deformed(), less));
-            EXPECT_NEAR((down - up) / (2 * step), moment[i] * A * B / 4, 1e-6);
+    for (const SectionStiffness& section : {SectionStiffness{EA, EI}, orthotropic}) {
+        const PlateElement element(flat(), section, false);
+        const double step = 1e-5;
+        const auto s = element.strained(deformed(), plastic());
+        for (int f = 0; f < 4; ++f) {
+            double moment[3];
+            element.forces(s, f, [&](SectionState what, double value) {
+                if (what == bendingMoment) moment[0] = -value;
+                if (what == hoopMoment) moment[1] = -value;
+                if (what == twistingMoment) moment[2] = -2 * value; // by both of its components
+            });
+            for (int i = 0; i < 3; ++i) {
+                auto more = plastic(), less = plastic();
+                more[3 * f + i] += step;
+                less[3 * f + i] -= step;
+                const double up = element.energy(element.strained(deformed(), more));
+                const double down = element.energy(element.strained(deformed(), less));
+                EXPECT_NEAR((down - up) / (2 * step), moment[i] * A * B / 4, 1e-6);
+            }
         }
     }
 }
 
 TEST(PlateElement, NoPrincipalMomentIsBeyondTheLimit) {
     const double limit = 0.5;
-    const PlateElement element(flat(), {EA, EI, SectionStiffness::none, limit}, false);
-    auto all = plastic();
-    const double before = element.energy(element.strained(deformed(), all));
-    element.yield(element.strained(deformed(), all), all);
-    const auto s = element.strained(deformed(), all);
-    int atLimit = 0;
-    for (int f = 0; f < 4; ++f) {
-        double m[3];
-        element.forces(s, f, [&](SectionState what, double value) {
-            for (auto [its, k] : {std::pair(bendingMoment, 0), {hoopMoment, 1}, {twistingMoment, 2}})
-                if (what == its) m[k] = value;
-        });
-        const double largest = std::abs(m[0] + m[1]) / 2 + std::hypot((m[0] - m[1]) / 2, m[2]);
-        EXPECT_LE(largest, limit * (1 + 1e-9));
-        atLimit += largest > limit * (1 - 1e-9);
+    for (double nu : {0.0, Nu}) {
+        const PlateElement element(flat(), {EA, EI, rigid, limit, EA, EI, nu}, false);
+        auto all = plastic();
+        const double before = element.energy(element.strained(deformed(), all));
+        element.yield(element.strained(deformed(), all), all);
+        const auto s = element.strained(deformed(), all);
+        int atLimit = 0;
+        for (int f = 0; f < 4; ++f) {
+            double m[3];
+            element.forces(s, f, [&](SectionState what, double value) {
+                for (auto [its, k] : {std::pair(bendingMoment, 0), {hoopMoment, 1}, {twistingMoment, 2}})
+                    if (what == its) m[k] = value;
+            });
+            const double largest = std::abs(m[0] + m[1]) / 2 + std::hypot((m[0] - m[1]) / 2, m[2]);
+            EXPECT_LE(largest, limit * (1 + 1e-9));
+            atLimit += largest > limit * (1 - 1e-9);
+        }
+        EXPECT_EQ(atLimit, 4);
+        EXPECT_LT(element.energy(s), before);
+        auto again = all;
+        element.yield(s, again);
+        EXPECT_EQ(again, all);
     }
-    EXPECT_EQ(atLimit, 4);
-    EXPECT_LT(element.energy(s), before);
-    auto again = all;
-    element.yield(s, again);
-    EXPECT_EQ(again, all);
+}
+
+// Bent to a cylinder, the plastic part is one, too: no curvature across that the moment nu M would have to hold.
+TEST(PlateElement, WhatYieldsBendsAcrossTheMomentThatIsAtItsLimit) {
+    const double limit = 0.05, k = 0.01;
+    const PlateElement element(flat(), {EA, EI, rigid, limit, EA, EI, Nu}, false);
+    PlateElement::Plastic all{};
+    element.yield(element.strained(bent(k, 0, 0), all), all);
+    const double elastic = limit * (1 - Nu * Nu) / EI;
+    for (int f = 0; f < 4; ++f) {
+        EXPECT_NEAR(all[3 * f], k - elastic, 1e-3 * k);
+        EXPECT_NEAR(all[3 * f + 1], 0, 1e-3 * k);
+    }
 }
 
 } // namespace

@@ -161,10 +161,14 @@ def square(n, supports=(None, None, 0), pressed=False, dt=STATIC, pressure=PRESS
     return scene, plate, sag, away < 1.01 * away.min()
 
 
-def navier(value):
-    """At the middle of a supported square of side 1, EI = 1, q = 1; value(m, n): of a term over that of w."""
+def navier(value, across=1.0):
+    """At the middle of a supported square of side 1, EI = 1, q = 1; value(m, n): of a term over that of w;
+    across: stiffness along the width."""
     terms = [
-        value(m, n) * np.sin(m * np.pi / 2) * np.sin(n * np.pi / 2) / (m * n * (m * m + n * n) ** 2)
+        value(m, n)
+        * np.sin(m * np.pi / 2)
+        * np.sin(n * np.pi / 2)
+        / (m * n * (m * m + across**0.5 * n * n) ** 2)
         for m in range(1, 99, 2)
         for n in range(1, 99, 2)
     ]
@@ -189,12 +193,53 @@ def test_a_supported_square_bends_as_navier_says(pressed, verified):
     assert errors[1] < 0.7 * errors[0]
 
 
+CLAMPED = 0.00126532  # deflection; moments at the middle (1 + nu) 0.01762, at the middle of an edge 0.0513
+
+
 @pytest.mark.verifies("Plate: clamped square", reference="Timoshenko & Woinowsky-Krieger", tolerance=0.06)
 def test_a_clamped_square_sags_less(verified):
     errors = [square(n, supports=(0, 0, 0))[2] for n in (4, 8)]
-    exact = 0.00126532 * PRESSURE * SIDE**4 / STIFF
+    exact = CLAMPED * PRESSURE * SIDE**4 / STIFF
     verified(errors[1], exact)
     assert abs(errors[1] / exact - 1) < 0.4 * abs(errors[0] / exact - 1)
+
+
+@pytest.mark.verifies(
+    "Plate: Poisson's ratio, 16 x 16", reference="Timoshenko & Woinowsky-Krieger", tolerance=0.02
+)
+@pytest.mark.parametrize("supports", [(None, None, 0), (0, 0, 0)])
+def test_squares_with_poissons_ratio_bend_as_by_timoshenko(supports, verified):
+    """EI is that of a strip whose sides are free; D = EI/(1 - nu^2)."""
+    nu = 0.3
+    sag, moment = (DEFLECTION, MOMENT) if supports[0] is None else (CLAMPED, 0.0231 / (1 + nu))
+    _, plate, found, nearMiddle = square(16, supports=supports, poisson=nu)
+    verified(found, sag * PRESSURE * SIDE**4 / STIFF * (1 - nu**2))
+    for its in (plate.bendingMoment, plate.hoopMoment):
+        verified(np.abs(its[nearMiddle]).mean(), (1 + nu) * moment * PRESSURE * SIDE**2)
+
+
+@pytest.mark.verifies("Plate: EI of two directions", reference="Navier, Huber", tolerance=0.02)
+@pytest.mark.parametrize("part", [0.25, 0.04])
+def test_a_square_of_two_stiffnesses_bends_as_by_navier_and_huber(part, verified):
+    _, plate, sag, nearMiddle = square(12, EIWidth=part * STIFF)
+    verified(sag, navier(lambda m, n: 1, part) * PRESSURE * SIDE**4 / STIFF)
+    moment = navier(lambda m, n: (np.pi * m) ** 2, part) * PRESSURE * SIDE**2
+    verified(np.abs(plate.bendingMoment[nearMiddle]).mean(), moment)
+
+
+@pytest.mark.parametrize("isHeld, softer", [(False, 0.0), (True, 0.3**2)])
+def test_a_strip_feels_poissons_ratio_where_its_sides_cannot_turn(isHeld, softer):
+    """With rollers on its sides EI/(1 - nu^2) counts; else EI does, but for the clamped base."""
+    found = []
+    for nu in (0.0, 0.3):
+        scene = mpm.Scene((0, 0, 0), (3, 1, 5), CELL, threads=1)
+        section = dict(EI=EI, EA=EA, weight=WEIGHT, thickness=0.5, poisson=nu)
+        wall = scene.add("wall", mpm.Beam([(1.5, 0, 0), (1.5, 0, LENGTH)], width=(0, WIDE, 0), **section))
+        sides = {"roller": ("front", "back")} if isHeld else {}
+        scene.engines, scene.dt = chain(gravity=(ACROSS, 0, 0), fixed="bottom", **sides), STATIC
+        scene.run(steps=12, progress=False)
+        found.append(tip(wall)[0])
+    assert found[1] / found[0] == pytest.approx(1 - softer, abs=1e-4 if isHeld else 0.03)
 
 
 def principalMoment(plate):

@@ -5,6 +5,8 @@
 #include "mpm/material/required.hpp"
 #include "mpm/state/SectionState.hpp"
 
+#include <algorithm>
+
 namespace mpm {
 namespace {
 
@@ -30,6 +32,12 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
                  Range::positive()},
                 {"limitMoment", "kN m/m",
                  "moment at which the section turns as a plastic hinge; None: elastic", &moment_,
+                 Range::positive()},
+                {"poisson", "-", "3D: Poisson's ratio, the mean of line and width", &section_.poisson,
+                 Range::inside(-1, 0.5)},
+                {"EIWidth", "kN m2/m", "3D: bending stiffness along the width; None: EI", &bendingWidth_,
+                 Range::positive()},
+                {"EAWidth", "kN/m", "3D: axial stiffness along the width; None: EA", &axialWidth_,
                  Range::positive()}};
     }
     void finish() override {
@@ -40,6 +48,8 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
             require(!std::isnan(value), className(), ": ", name, " is required; give ", name, " in ", unit);
         section_.GA = std::isnan(shear_) ? SectionStiffness::none : shear_;
         section_.limitMoment = std::isnan(moment_) ? SectionStiffness::none : moment_;
+        section_.EIWidth = std::isnan(bendingWidth_) ? section_.EI : bendingWidth_;
+        section_.EAWidth = std::isnan(axialWidth_) ? section_.EA : axialWidth_;
     }
     // In the order of SectionState, by which the mesh knows them.
     std::vector<StateVariable> stateVariables() const override {
@@ -61,7 +71,10 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
     }
     const SectionStiffness* section() const override { return &section_; }
     // Of a plate of that thickness: waves run as fast as in the beam.
-    std::array<double, 2> lame() const override { return {0, 0.5 * section_.EA / thickness_}; }
+    std::array<double, 2> lame() const override {
+        const SectionStiffness::Plate plate = section_.membrane();
+        return {0, 0.5 * std::max(plate.along[0], plate.along[1]) / thickness_};
+    }
 
     void stateFromStress(const double stress[9], double*) const override {
         for (int c = 0; c < 9; ++c)
@@ -76,7 +89,8 @@ Source: MacNeal 1978, Computers & Structures 8, 175-183.)";
 
   private:
     SectionStiffness section_{notGiven, notGiven};
-    double thickness_ = notGiven, shear_ = notGiven, moment_ = notGiven;
+    double thickness_ = notGiven, shear_ = notGiven, moment_ = notGiven, bendingWidth_ = notGiven,
+           axialWidth_ = notGiven;
 };
 
 MPM_REGISTER(Material, BeamSection);

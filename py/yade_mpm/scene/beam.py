@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.kinds import POSITIVE
+from ..base.kinds import NUMBER, POSITIVE, Kind
 from ..base.wording import shown
 from ..geometry.mesh import Mesh
 from ..geometry.numbers import numbers, placeText, vector
@@ -20,6 +20,7 @@ PER_CELL = (
 )
 SAMPLES, SLACK = 4096, 1e-6  # of the cells along a piece of the line; round-off of lengths
 MISSED = 0.01  # cells that samples may miss along a piece
+RATIO = Kind("a number between -1 and 0.5", lambda value: NUMBER.isOne(value) and -1 < value < 0.5)
 SHARPEST = np.radians(90)  # turn of the line at a point, from which on sections would cross
 
 
@@ -33,8 +34,12 @@ class Beam:
 
     What it resists are N = EA strain and M = EI curvature of its middle line, whatever the thickness of its
     mesh. It is implicit. In axisymmetric scenes it is a shell, which takes forces round the axis, too. In 3D
-    it is a plate, folded where the line turns, that resists alike along line and width, without Poisson's
-    ratio: M_xy = EI w_xy, N_xy = EA/2 gamma_xy.
+    it is a plate, folded where the line turns. With nu for `poisson` and S for the root of EI EIWidth
+
+        M_x = (EI k_x + nu S k_y)/(1 - nu^2),  M_y alike,  M_xy = S k_xy/(1 + nu),
+
+    k_x and k_y the curvatures along line and width. Normal forces and membrane shear follow from EA and
+    EAWidth in the same way, with gamma_xy/2 for k_xy.
 
     Parameters
     ----------
@@ -48,7 +53,10 @@ class Beam:
         this is dry.
     GA : kN/m, shear stiffness; default None: no shear strain.
     limitMoment : kN m/m, moment at which a plastic hinge turns, in 3D largest principal moment; default
-        None: elastic. In 3D not with GA.
+        None: elastic. In 3D not with GA, nor with EIWidth.
+    poisson : in 3D, Poisson's ratio, the root of the product of those of both directions; default 0.
+    EIWidth, EAWidth : kN m2/m, kN/m, in 3D, stiffness along the width (small for sheet piles); default None:
+        EI, EA.
     size : m, between cross-sections, one to two cells; default: a cell.
 
     `region` is the place that it takes. Its mass is spread over the thickness of the mesh. The particles hold
@@ -56,9 +64,11 @@ class Beam:
     (`hoopForce`, `hoopShear`, `hoopMoment`), `membraneShear` and `twistingMoment`.
 
     Raises ValueError for a line that turns by more than 90 degrees, a width that is not across it, numbers
-    that are not positive, GA and limitMoment in 3D; `scene.add` for domains shorter than a cell.
+    that are not positive, a ratio outside of (-1, 0.5), limitMoment with GA or EIWidth in 3D; `scene.add`
+    for domains shorter than a cell.
 
-    Source: MacNeal 1978, Computers & Structures 8, 175-183, in each direction.
+    Sources: MacNeal 1978, Computers & Structures 8, 175-183, in each direction; Timoshenko &
+    Woinowsky-Krieger 1959, chapter 11, for sections that differ (Huber's M_xy).
     """
 
     def __init__(
@@ -73,22 +83,37 @@ class Beam:
         GA: float | None = None,
         limitMoment: float | None = None,
         size: float | None = None,
+        poisson: float = 0.0,
+        EIWidth: float | None = None,
+        EAWidth: float | None = None,
     ) -> None:
         self.line = _checkPoints(line)
         self.width = _checkWidth(self.line, width)
         self._plane = np.delete(np.arange(self.line.shape[1]), [] if width is None else self._axis)
         _checkTurns(self.line, self._plane)
-        if self.width is not None and limitMoment is not None and GA is not None:
-            raise ValueError(
-                f"Beam: GA = {shown(GA)} and limitMoment = {shown(limitMoment)} are not for 3D together; "
-                "leave one out"
-            )
         given = dict(EI=EI, EA=EA, weight=weight, thickness=thickness)
-        optional = dict(GA=GA, limitMoment=limitMoment, size=size)
+        ofPlates = dict(EIWidth=EIWidth, EAWidth=EAWidth)
+        optional = dict(GA=GA, limitMoment=limitMoment, size=size, **ofPlates)
         for name, value in {**given, **{k: v for k, v in optional.items() if v is not None}}.items():
             POSITIVE.check("Beam", **{name: value})
+        RATIO.check("Beam", poisson=poisson)
+        self._checkPlate(limitMoment, dict(GA=GA, EIWidth=EIWidth), dict(poisson=poisson or None, **ofPlates))
         self.weight, self.thickness, self.size = float(weight), float(thickness), size
-        self._section = {k: v for k, v in dict(EI=EI, EA=EA, GA=GA, limitMoment=limitMoment).items() if v}
+        section = dict(EI=EI, EA=EA, GA=GA, limitMoment=limitMoment, poisson=poisson, **ofPlates)
+        self._section = {k: v for k, v in section.items() if v}
+
+    def _checkPlate(self, limitMoment, besideLimit, ofPlates):
+        """Refuses what a beam in 2D, or a plate with a limit, cannot have."""
+        for name, value in (ofPlates if self.width is None else {}).items():
+            if value is not None:
+                raise ValueError(f"Beam: {name} = {shown(value)} is for a line in 3D; leave it out")
+        isLimited = self.width is not None and limitMoment is not None
+        for name, value in besideLimit.items():
+            if isLimited and value is not None:
+                raise ValueError(
+                    f"Beam: {name} = {shown(value)} and limitMoment = {shown(limitMoment)} are not for 3D "
+                    "together; leave one out"
+                )
 
     def __repr__(self):
         start, end = placeText(self.line[0]), placeText(self.line[-1])

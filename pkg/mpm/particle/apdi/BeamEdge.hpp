@@ -46,9 +46,7 @@ template <int Dim> class BeamEdge {
 
     double length() const { return length_; }
     // Stiffness in shear of a piece of the length L, kN/m: with this compliance a straight one is exact.
-    static double shearStiffness(const SectionStiffness& section, double L) {
-        return 1 / (1 / section.GA + L * L / (12 * section.EI));
-    }
+    static double shearStiffness(double GA, double EI, double L) { return 1 / (1 / GA + L * L / (12 * EI)); }
     const Place& start() const { return start_; }
 
     // hinges: angles psi at both ends.

@@ -39,7 +39,7 @@ class BeamElement {
         radius_ = X.rowwise().mean()[0];
         const double width = isRound ? 2 * M_PI * radius_ : 1; // m
         volume_ = width * length_;
-        const double G = Edge::shearStiffness(section, length_);
+        const double G = Edge::shearStiffness(section.GA, section.EI, length_);
         stiffness_ = {section.EA, section.EI, G, 0.5 * section.EA, 0.5 * section.EA};
         if (isRound) stiffness_[hoop] = section.EA, stiffness_[hoopCurvature] = section.EI;
         for (double& k : stiffness_) k *= volume_;

@@ -74,9 +74,11 @@ template <int Dim> void ImplicitSystem<Dim>::assemble(double square) {
 
 template <int Dim>
 void ImplicitSystem<Dim>::add(double square, const StrainedNodes<Dim>& strained, const Strained& particle) {
+    if (!particle.resists()) return;
     order_.clear(); // by number, so that rows are below columns
     for (int e = particle.begin; e < particle.end; ++e) order_.push_back(&strained.entries[e]);
     std::sort(order_.begin(), order_.end(), [](auto* a, auto* b) { return a->unknown < b->unknown; });
+    if (particle.rows > 0) return addBeam(square, strained, particle);
     const double lambda = square * particle.lambda, mu = square * particle.mu;
     for (size_t b = 0; b < order_.size(); ++b) {
         const Entry& q = *order_[b];
@@ -99,24 +101,6 @@ void ImplicitSystem<Dim>::add(double square, const StrainedNodes<Dim>& strained,
             factor_.at(g.unknown, column) += 2 * mu * g.hoop * q.hoop;
         }
     }
-    if (particle.rows) addBeam(square, strained, particle);
-}
-
-template <int Dim>
-void ImplicitSystem<Dim>::addBeam(double square, const StrainedNodes<Dim>& strained,
-                                  const Strained& particle) {
-    const auto rowsOf = [&](const Entry* at) -> const auto& {
-        return strained.beamRows[at - strained.entries.data()];
-    };
-    for (size_t b = 0; b < order_.size(); ++b)
-        for (size_t a = b; a < order_.size(); ++a) {
-            const auto &below = rowsOf(order_[a]), &above = rowsOf(order_[b]);
-            for (int r = 0; r < particle.rows; ++r)
-                for (int j = 0; j < Dim; ++j)
-                    for (int i = a == b ? j : 0; i < Dim; ++i)
-                        factor_.at(order_[a]->unknown + i, order_[b]->unknown + j) +=
-                            square * particle.rowStiffness[r] * below.row[r][i] * above.row[r][j];
-        }
 }
 
 template <int Dim>
@@ -131,6 +115,8 @@ void ImplicitSystem<Dim>::multiply(const std::vector<double>& x, std::vector<dou
 template <int Dim>
 void ImplicitSystem<Dim>::addForce(const StrainedNodes<Dim>& strained, const Strained& particle,
                                    const double* x, double* force) const {
+    if (particle.rows > 0) return addBeamForce(strained, particle, x, force);
+    if (!particle.resists()) return;
     constexpr int patterns = StrainedNodes<Dim>::patterns;
     double gradient[Dim][Dim] = {}, hourglass[patterns][Dim] = {}, ring = 0, trace = 0;
     for (int e = particle.begin; e < particle.end; ++e) {
@@ -160,16 +146,6 @@ void ImplicitSystem<Dim>::addForce(const StrainedNodes<Dim>& strained, const Str
             f[i] += sum;
         }
         f[0] += ring * entry.hoop;
-    }
-    for (int r = 0; r < particle.rows; ++r) {
-        double strain = 0;
-        for (int e = particle.begin; e < particle.end; ++e)
-            for (int i = 0; i < Dim; ++i)
-                strain += strained.beamRows[e].row[r][i] * x[strained.entries[e].unknown + i];
-        for (int e = particle.begin; e < particle.end; ++e)
-            for (int i = 0; i < Dim; ++i)
-                force[strained.entries[e].unknown + i] +=
-                    particle.rowStiffness[r] * strain * strained.beamRows[e].row[r][i];
     }
 }
 

@@ -98,6 +98,8 @@ template <int Dim> class ImplicitSystem {
     void multiply(const std::vector<double>& x, std::vector<double>& force) const;
     void addForce(const StrainedNodes<Dim>& strained, const Strained& particle, const double* x,
                   double* force) const;
+    void addBeamForce(const StrainedNodes<Dim>& strained, const Strained& particle, const double* x,
+                      double* force) const;
     void react(Scene<Dim>& scene, int unknown, double force) const;
 };
 

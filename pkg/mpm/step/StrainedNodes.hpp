@@ -26,6 +26,13 @@ template <int Dim> class StrainedNodes {
         double control[patterns]; // kN/m (2D: per m)
         int rows = 0;             // in which a beam is strained
         double rowStiffness[Mesh<Dim>::mostRows] = {};
+
+        // Domains of a beam that tell no rows do not.
+        bool resists() const {
+            bool any = rows > 0 || lambda != 0 || mu != 0;
+            for (double k : control) any = any || k != 0;
+            return any;
+        }
     };
     struct BeamRows {
         double row[Mesh<Dim>::mostRows][Dim] = {}; // see Mesh::beamRows()

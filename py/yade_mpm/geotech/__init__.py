@@ -3,6 +3,7 @@
 
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
 addLayers                                   layers, laws and stress of a borehole's table
+readProfile                                 strength, K0 or OCR over the depth from a CPT
 flowRegion                                  where the soil of a coarse run has flowed
 groundSurface, Surface                      heave, trough and cavity of the ground surface
 readRecord, responseSpectrum                an earthquake as a motion; spectra of histories
@@ -16,5 +17,6 @@ from .borehole import addLayers
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround, flowRegion
 from .meshes import quadrilaterals, ring, wedgedColumn
+from .profile import readProfile
 from .shaking import readRecord, responseSpectrum
 from .surface import Surface, groundSurface

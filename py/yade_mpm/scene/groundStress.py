@@ -11,6 +11,7 @@ from ..base.kinds import FINITE, POSITIVE, SOME_BODIES, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..geometry.numbers import floats, isNumber
+from ..material.spatial import valuesAt
 from ..particle.body import Body
 from .geostatic import weightOf
 from .running import refuseDuringStep, refuseMidStep
@@ -44,9 +45,10 @@ def groundStress(
     Parameters
     ----------
     K0 : coefficient at rest, -: a number; "jaky", 1 - sin phi of the material (Jaky 1944); a function of the
-        coordinates (arrays) of the particles; or a dict body -> one of these.
+        coordinates (arrays) of the particles; a profile, pairs (height, value), such as `readProfile` makes
+        of a CPT; or a dict body -> one of these.
     OCR : overconsolidation ratio, -, at least 1, for "jaky": K0 = (1 - sin phi) OCR^(sin phi) (Mayne &
-        Kulhawy 1982); a number, a function of the coordinates, or a dict body -> one of these; default 1.
+        Kulhawy 1982); as K0, without "jaky"; default 1.
     bodies : the ground; default None: all bodies that yield.
     gravity : m/s2; default that of the scene, 9.81 where it has none yet.
     water : m, height of the water table; default None: none. There are no pore pressures: below it the weight
@@ -122,13 +124,16 @@ def _values(name, given, body, least=0.0):
     """A number for each particle, `least` or more."""
     try:
         value = given(*body.position.T) if callable(given) else given
+        if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) == 2:
+            value = valuesAt(name, value, body.position, body.id)
         values = np.broadcast_to(floats(value), body.count)
     except (TypeError, ValueError):
         values = np.full(1, np.nan)
     if not (np.isfinite(values).all() and (values >= least).all()):
         raise ValueError(
             f"groundStress: {name} = {shown(given)} of '{body.name}' is not allowed; give a number of at "
-            f"least {least:g}, or a function of the coordinates that returns such numbers"
+            f"least {least:g}, a function of the coordinates that returns such numbers, or pairs (height, "
+            "number)"
         )
     return values
 

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A propped sheet-pile wall (AZ 18), dug in two stages, beside a hand calculation: free earth, Rankine.
-Soil arches to the prop (Rowe 1952): more force than by hand, a smaller moment. Units: Mg, m, s, kPa."""
+"""A propped sheet-pile wall (AZ 18), dug in two stages, beside free earth, Rankine. Units: Mg, m, s, kPa."""
 
 import os
 from math import pi
@@ -54,6 +53,7 @@ def main():
     os.makedirs(a.out, exist_ok=True)
     plot.save(plot.structure(found), f"{a.out}/propped_wall.png")
     scene.report(f"{a.out}/propped_wall.html", title="Propped wall")
+    return scene, found[name]
 
 
 if __name__ == "__main__":

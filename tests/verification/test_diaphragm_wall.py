@@ -8,6 +8,7 @@ import pytest
 
 PLAXIS = {10: (154,), 20: (320, 1390, 1710)}  # dug to, m: strut, moments above and below the floor of the pit
 
+
 @pytest.mark.verifies("Strutted diaphragm wall: strut and moments", reference="PLAXIS", tolerance=0.1)
 def testTheWallHasTheForcesOfPlaxis(verified):
     _, found = diaphragm_wall.dug((2, 10, 20))

@@ -36,7 +36,7 @@ def structure(stages, figure=None):
     figure : of matplotlib, to draw into; default: a new one.
 
     Pressure to the right of zero presses on the face that `across` points away from (of an upright wall the
-    left one), pressure to the left on the other face. Returns the figure.
+    left one), pressure to the left on the other face; without any it is left out. Returns the figure.
     """
     stages = {name: one if isinstance(one, (tuple, list)) else (one, None) for name, one in stages.items()}
     if any(np.ndim(forces.M) != 1 for forces, _ in stages.values()):
@@ -44,7 +44,8 @@ def structure(stages, figure=None):
             "structure: it draws bodies of 2D scenes; plot forces.M[:, 0] over forces.s yourself"
         )
     figure = figure or plt.figure(figsize=(WIDTH, HEIGHT), layout="constrained")
-    panels = figure.subplots(1, 4, sharey=True)
+    isPressed = any(pressure is not None for _, pressure in stages.values())
+    panels = figure.subplots(1, 3 + isPressed, sharey=True)
     for k, (name, (forces, pressure)) in enumerate(stages.items()):
         moved = 1e3 * (forces.displacement * forces.across).sum(axis=1)
         for axes, values in zip(panels, (moved, forces.M, forces.Q)):

@@ -10,7 +10,7 @@ from .. import __version__
 from ..base.html import paragraph, pictureTag, table, textOf
 from ..base.kinds import FILE, TEXT, takes
 from ..base.wording import shown
-from ..diagnostics.certificate import quasiStatic
+from ..diagnostics.certificate import LIMITS, quasiStatic
 from ..diagnostics.facePressure import facePressure
 from ..diagnostics.sections import sectionForces
 from ..engine.contact import Contact
@@ -27,6 +27,7 @@ STYLE = (
     "text-align:left}th{background:#f4f4f4}pre{overflow-x:auto;background:#f4f4f4;padding:.6rem;font-size:.8rem}"
     "img{max-width:100%;height:auto}"
 )
+REST = LIMITS["unbalancedRatio"]
 PICTURE, CURVE, STRUCTURE = (7.0, 4.0), (7.0, 2.6), (9.6, 3.6)  # inches
 
 
@@ -38,7 +39,8 @@ def report(scene, file, title: str = "Report") -> None:
 
     It has what the scene is made of, its materials, the stages (`scene.stage`) with their numbers, pictures
     of the bodies and their displacement (2D), the forces and pressures of implicit bodies in 2D, curves of
-    props and drives from the first `history`, the verdict of `quasiStatic`, and the script of the scene.
+    props and drives from the first `history`, whether the stages end at rest, the verdict of `quasiStatic`,
+    and the script of the scene.
 
     Parameters
     ----------
@@ -92,6 +94,8 @@ def _materials(scene):
 
 
 def _short(value):
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_short, value))})"[:80]
     return f"{value:.6g}" if isinstance(value, float) else str(value)[:80]
 
 
@@ -156,7 +160,28 @@ def _curves(scene):
             yield name, pictureTag(draw, CURVE)
 
 
+def _atRest(scene):
+    """Whether the stages end at rest."""
+    parts = {row["name"]: row["values"].get("unbalanced", np.nan) for row in scene.stages}
+    if not parts:
+        return ""
+    moving = [f"'{name}' {100 * part:.2g} %" for name, part in parts.items() if not part < REST]
+    if moving:
+        return paragraph(
+            f"NOT at rest at the end, unbalanced forces above {100 * REST:g} %: {', '.join(moving)}."
+        )
+    return paragraph(
+        f"Every stage ends at rest: unbalanced forces of at most {100 * max(parts.values()):.2g} % (limit "
+        f"{100 * REST:g} %). What follows is about the way there, on which sudden stages, such as a dig, are "
+        "dynamic."
+    )
+
+
 def _verdict(scene):
+    return _atRest(scene) + _quasiStatic(scene)
+
+
+def _quasiStatic(scene):
     history = next((e for e in scene.engines if isinstance(e, History) and len(e) > 1), None)
     if history is None:
         return paragraph("The scene keeps no history, so nothing tells whether the run was quasi-static.")

@@ -5,8 +5,11 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
+
 from ..base.attributes import keep
 from ..base.wording import shown
+from ..diagnostics.forces import unbalancedRatio
 from ..engine.supports import Spring
 from ..geometry.numbers import isNumber
 
@@ -18,7 +21,8 @@ class Stage:
     ----------
     name : its name.
     begin, end : s, scene time; end is None inside of the block.
-    values : dict name -> number, what `note` was told and the forces of springs at the end.
+    values : dict name -> number, what `note` was told, the forces of springs at the end, and `unbalanced`,
+        `diagnostics.unbalancedRatio` there: at rest below 0.05.
     """
 
     def __init__(self, scene, name, picture):
@@ -55,6 +59,8 @@ class Stage:
         for engine in scene.engines:
             if isinstance(engine, Spring) and not engine.dead:
                 self.values.setdefault(f"{engine.label}.force", float(engine.force))
+        if np.isfinite(ratio := unbalancedRatio(scene)):
+            self.values.setdefault("unbalanced", ratio)
         scene._stages.append({"name": self.name, "begin": self.begin, "end": self.end, "values": self.values})
         if self._picture is not None:
             axes = scene.plot("displacement")

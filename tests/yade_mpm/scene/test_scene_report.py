@@ -48,13 +48,29 @@ def test_it_has_scene_materials_stages_pictures_curves_and_a_verdict(page):
     assert EVIL not in text
 
 
+@pytest.mark.parametrize("time, isAtRest", [(0.02, False), (3.0, True)])
+def test_the_verdict_tells_whether_stages_end_at_rest(tmp_path, time, isAtRest):
+    scene = mpm.Scene((0, 0), (1, 1.5), 0.25, threads=1, gravity=10, damping=0.5)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    elastic = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    scene.add("ground", box((0, 0), (1, 1)), elastic, mpm.UGIMP())
+    with scene.stage("gravity"):
+        scene.run(until=time, progress=False)
+    assert (scene.stages[0]["values"]["unbalanced"] < 0.05) == isAtRest
+    scene.report(tmp_path / "a.html")
+    text = (tmp_path / "a.html").read_text()
+    assert ("Every stage ends at rest" in text) == isAtRest
+    assert ("NOT at rest at the end, unbalanced forces above 5 %: &#x27;gravity&#x27;" in text) != isAtRest
+
+
 def test_one_picture_shows_several_stages(tmp_path):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     steel = mpm.LinearElastic(density=1.0, young=1e4, poisson=0.0)
     wall = scene.add("wall", box((0.5, 0), (1, 2)), steel, mpm.APDI(size=0.25))
     forces = mpm.sectionForces(wall)
     figure = mpm.plot.structure({"one": forces, "two": (forces, None)})
-    assert len(figure.axes) == 4 and len(figure.axes[1].lines) == 3
+    assert len(figure.axes) == 3 and len(figure.axes[1].lines) == 3
     mpm.plot.save(figure, tmp_path / "wall.png")
 
 

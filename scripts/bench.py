@@ -276,7 +276,7 @@ def load(file):
     baseline = json.loads(Path(file).read_text()) if Path(file).exists() else {"machine": None, "cases": []}
     if not all("shortest" in case for case in baseline["cases"]):
         sys.exit(
-            f"bench: {file} has no shortest steps, it is of an earlier version; save it anew, or leave out "
+            f"bench: {file} has no shortest steps, it is of an earlier version; save it again, or leave out "
             "--baseline"
         )
     return baseline

@@ -4,7 +4,7 @@
     scripts/run bench_mesh                       # a block of 140 x 140 domains, numbered in three ways
     scripts/run bench_mesh slope.msh pile.vtk    # files of quadrilaterals or hexahedra
 
-One thread, MCDP soil that bears no load, cells of twice the mean edge; the shortest of many runs of five
+One thread, MCDP soil without load, cells of twice the mean edge; the shortest of many runs of five
 steps, stage by stage, and their sum.
 """
 

@@ -3,7 +3,7 @@
 """A cylinder or a sphere expands in soil: exact at any expansion, for clay and for soil with friction.
 
 Plane strain, a quarter (--sphere: axisymmetric, a half), weightless: a hole of the radius a0 in a body of the
-radius 200 a0 that is free outside and bears the pressure p0 everywhere at the start. The hole is widened by a
+radius 200 a0 that is free outside and has the pressure p0 everywhere at the start. The hole is widened by a
 round mandrel of springs, one for each facet of the wall: the pressure is what the soil asks for, and the wall
 stays round. (Under a fluid soil that does not flow associated grows fingers, and 4 % of the pressure are
 lost.) The mesh of APDI runs round the hole and stretches with it.
@@ -52,7 +52,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("confinement", 20.0, "pressure p0 at the start", unit="kPa", least=0),
     Parameter("until", 3.1, "radius at the end over that at the start", above=1.2, most=10),
     Parameter("rate", 0.1, "of the wall", unit="m/s", above=0),
-    # Rings of sand that are stretched to four times bear 10 % too much with the default of APDI, 0.05.
+    # Rings of sand that are stretched to four times resist 10 % too much with the default of APDI, 0.05.
     derived={"hourglass": lambda a: 0.2 if a.phi else 0.05},
     smoke={"cells": 2, "rate": 0.2},
 )
@@ -203,7 +203,7 @@ def run(a):
 
 
 def draw(a, scene, radius, pressure, file):
-    """The shear stress over what the soil bears, round the hole; pressure over expansion."""
+    """The shear stress over what the soil resists, round the hole; pressure over expansion."""
     expansion, curve, limit = exact(a)
     near = expansion < radius.max()
     lines = {"exact": (expansion[near], curve[near]), "limit": ([1, radius.max()], [limit, limit])}

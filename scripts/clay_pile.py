@@ -3,8 +3,8 @@
 """A sheet pile is pressed into undrained clay: tip and shaft apart, each against what plasticity says.
 
 Plane strain, the half right of the pile's axis: a stiff pile of the thickness B with a flat tip, in Tresca
-soil of the strength su under its own weight. The shaft bears alpha su over the length L in contact, heave
-included, on each side. The tip bears N su B besides the overburden. N grows from 2 + pi at the surface to
+soil of the strength su under its own weight. The shaft resists alpha su over the length L in contact, heave
+included, on each side. The tip resists N su B besides the overburden. N grows from 2 + pi at the surface to
 2 + 2 pi = 8.28 far below it, where the slip lines turn by pi from under the tip to the smooth shaft (Meyerhof
 1951); in between limit analysis gave (2 + pi)(1 + 0.27 sqrt(z/B)) (Salgado et al. 2004), beyond it far down.
 

@@ -61,7 +61,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("height", 0.1, "of the column", unit="m", least=0.1, most=1),
     Parameter("phi", 19.8, "angle of friction", unit="degrees", above=0, below=90),
     Parameter("noFbar", False, "without F-bar: bars that flow lock"),
-    Parameter("noClosing", False, "bars that parted bear pressure again before they have closed up"),
+    Parameter("noClosing", False, "bars that parted resist pressure again before they have closed up"),
     Parameter("cell", 0.005, "size of the grid's cells; hybrid: 0.02 m over one", unit="m", partOf=0.04),
     Parameter("damping", 0.05, "local damping", least=0, below=1),
     Parameter("until", lambda a: UNTIL * sqrt(a.height / 0.1), "end", unit="s", least=0.05, most=100),

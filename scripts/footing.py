@@ -6,7 +6,7 @@ Plane strain, weightless, half of the problem: 20 x 10 m of ground, footing of h
 left, with rollers at the sides and a fixed base. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa. Exact limit q = c Nc
 with Nc = (Nq - 1) cot(phi), Nq = exp(pi tan(phi)) tan2(45 + phi/2); q = (2 + pi) c = 514.16 kPa for phi = 0
 (Prandtl 1920). Isochoric plastic flow locks the particles of one cell: the load is 5 to 20 % too high.
-F-bar averages the volumetric strain over a cell, which mends that; `--noFbar` shows it. With `--phi` the
+F-bar averages the volumetric strain over a cell, which corrects that; `--noFbar` shows it. With `--phi` the
 ground dilates by psi = phi: only for associated flow is the limit load a theorem.
 
 The footing is held grid nodes of the surface. The velocity falls to zero over the cell beside the last one;
@@ -45,7 +45,7 @@ PARAMETERS = mpm.Parameters(
     __doc__,
     Parameter("types", "hybrid", "particle types", choices=geotech.TYPES),
     Parameter("phi", 0.0, "friction and dilatancy", unit="degrees", least=0, below=60),
-    Parameter("noFbar", False, "without F-bar: the ground locks and carries too much"),
+    Parameter("noFbar", False, "without F-bar: the ground locks and resists too much"),
     Parameter("cell", 2 / 9, "size of the grid's cells", unit="m", partOf=DEPTH),
     Parameter("rate", 0.02, "settlement rate", unit="m/s", above=0),
     # The limit load belongs to small settlements: at half a cell boxes under the edge pass to free nodes.

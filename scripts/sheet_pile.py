@@ -6,7 +6,7 @@ Plane strain, 30 x 12 m of soil, an elastic pile of 10 m that stands 1 m deep an
 above the ground. Constants, time step, damping and rates are the published ones (Takegawa, Higo, Uchiyama,
 Kiriyama, Michino); the geometry is this project's own. Units: Mg, m, s, kPa, per metre of thickness.
 
-    scripts/run sheet_pile               # the run to trust: soil that slips, F-bar, an implicit pile
+    scripts/run sheet_pile               # the converged set-up: soil that slips, F-bar, an implicit pile
     scripts/run sheet_pile --smoke       # coarse, thick (0.5 m) and fast (1 m/s): does it work? no numbers
     scripts/run sheet_pile --published   # the literal set-up of the paper
     scripts/run sheet_pile_study --help  # every parameter; sheet_pile_compare: beside all uGIMP

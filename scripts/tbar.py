@@ -4,7 +4,7 @@
 
 Plane strain, weightless: a stiff cylinder of the diameter D is pulled through Tresca soil of the strength su,
 which it has displaced from the start. The soil lies in a box with rollers on all sides, with all stresses at
--20 su, so that it closes behind the bar. Where the interface bears alpha su, the solution of plasticity is
+-20 su, so that it closes behind the bar. Where the interface resists alpha su, the solution of plasticity is
 
     N = F / (su D) = pi + 2 d + 2 cos d + 4 (cos(d/2) + sin(d/2)),   d = asin(alpha)
 

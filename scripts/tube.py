@@ -3,13 +3,13 @@
 """A tube is pressed into clay: a caisson, an open pile that plugs, and a closed pile.
 
 Axisymmetric: a tube of the outer radius R goes down from the surface of Tresca soil of the strength su under
-its own weight. Both sides of the wall bear alpha su, the tip N su and the overburden, with N = 9:
+its own weight. Both sides of the wall resist alpha su, the tip N su and the overburden, with N = 9:
 
     F = alpha su (As outside + As inside) + (9 su + gamma z) A of the wall
 
 (Houlsby & Byrne 2005, Proc. ICE Geotech. Eng. 158, 2, for caissons). When the friction inside is more than
-what the whole base bears, 2 alpha h/r > 9 (h: length of the soil inside, r: inner radius), the plug goes down
-with the tube, which then resists as a closed pile: N = 9 on the whole base (Skempton 1951). The walls are
+the whole base resists, 2 alpha h/r > 9 (h: length of the soil inside, r: inner radius), the plug goes down with
+the tube, which then resists as a closed pile: N = 9 on the whole base (Skempton 1951). The walls are
 thicker than real ones, four cells: with two, a smooth wall of R/4 resists 23 % more. Suction is not in the
 scene: the tube is pushed.
 
@@ -104,10 +104,10 @@ def plugOf(a):
 
 def formula(a, depth, plug):
     """Resistance by the formula, kN, where the soil inside has a length: (the wall alone, with a plug)."""
-    inner, bears = (1 - a.wall) * RADIUS, BEARING * STRENGTH + DENSITY * GRAVITY * depth
+    inner, resists = (1 - a.wall) * RADIUS, BEARING * STRENGTH + DENSITY * GRAVITY * depth
     shafts = 2 * pi * a.alpha * STRENGTH * np.array([RADIUS * depth, inner * plug])
-    wall = shafts.sum(axis=0) + bears * pi * (RADIUS**2 - inner**2)
-    return wall, shafts[0] + bears * pi * RADIUS**2
+    wall = shafts.sum(axis=0) + resists * pi * (RADIUS**2 - inner**2)
+    return wall, shafts[0] + resists * pi * RADIUS**2
 
 
 def run(a, scene=None):

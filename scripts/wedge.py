@@ -26,7 +26,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run wedge --types hybrid        # APDI where nothing flows
 
 All of APDI there is no soil here: the wedge crosses its mesh, which is inverted after one and a half cells
-with F-bar, and without bears 52 % too much.
+with F-bar, and without resists 52 % too much.
 """
 
 from math import acos, cos, degrees, exp, pi, radians, sin, tan

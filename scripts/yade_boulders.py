@@ -137,7 +137,7 @@ def build(a):
 
 
 def record(a, scene):
-    """Recorders of both sides, every FRAME s; the scene goes into YADE anew then."""
+    """Recorders of both sides, every FRAME s; the scene goes into YADE again then."""
     period = max(1, round(FRAME / O.dt))
     fields = ["velocity", "displacement", "plasticShearStrain"]
     file = os.path.join(a.out, "soil.vtkhdf")

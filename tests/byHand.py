@@ -24,7 +24,7 @@ def bitsOf(file):
 
 @contextlib.contextmanager
 def opened(file):
-    """The HDF5 file of a checkpoint; its sum is made anew at the end."""
+    """The HDF5 file of a checkpoint; its sum is made again at the end."""
     with h5py.File(file, "r+") as h5:
         yield h5
     checkpoint.seal(file)

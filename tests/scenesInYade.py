@@ -84,7 +84,7 @@ scene = hybrid(); soil = mpm.yade.attach(scene); O.run(5, True); say("given", [O
 O.dt = 0.99 * soil.criticalDt; O.run(1, True); say("largest", [scene._core.dt / O.dt, scene.time == O.time])
 O.dt = 1.01 * soil.criticalDt
 say("too large", [fails(ValueError, lambda: O.run(5, True)), O.iter, scene.steps])
-O.dt = 1e-5; O.run(1, True); say("mended", [O.iter, scene.steps, soil.error])
+O.dt = 1e-5; O.run(1, True); say("corrected", [O.iter, scene.steps, soil.error])
 
 O.reset(); empty(); scene = hybrid(); soil = mpm.yade.attach(scene)
 O.run(10, True)

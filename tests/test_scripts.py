@@ -180,12 +180,12 @@ def test_pip_asks_for_the_wheel_before_it_downloads_anything(monkeypatch):
     } == set(hooks)
 
 
-@pytest.mark.parametrize("pip, remedy", [("ON", "mpm-env/bin/pip install"), ("OFF", "-DPython3_EXECUTABLE=")])
-def test_a_build_without_boost_python_says_what_to_do(pip, remedy, tmp_path):
+@pytest.mark.parametrize("pip, cure", [("ON", "mpm-env/bin/pip install"), ("OFF", "-DPython3_EXECUTABLE=")])
+def test_a_build_without_boost_python_says_what_to_do(pip, cure, tmp_path):
     cmake = shutil.which("cmake") or pytest.skip("no CMake here")
     command = [cmake, "-S", RUN.parents[1], "-B", tmp_path, "-G", "Ninja", f"-DSKBUILD={pip}"]
     done = subprocess.run([*command, "-DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON"], capture_output=True, text=True)
-    assert done.returncode and "Boost.Python for Python 3." in done.stderr and remedy in done.stderr
+    assert done.returncode and "Boost.Python for Python 3." in done.stderr and cure in done.stderr
     assert ("-DPython3_EXECUTABLE" in done.stderr) == (pip == "OFF")
 
 

@@ -2,9 +2,11 @@
 """One format for all: what scripts/format would change is an error, and prose keeps to 110 columns and to the
 words of pyproject.toml, too."""
 
+import io
 import re
 import subprocess
 import sys
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -55,6 +57,30 @@ def refusedWords(text):
 )
 def test_prose_uses_the_words_of_the_field(page):
     assert {word: f"write: {INSTEAD[word]}" for word in refusedWords(page.read_text())} == {}
+
+
+def proseOf(source):
+    """Comments, docstrings, texts and names of tests of a Python file, without what backticks enclose."""
+    kinds = tokenize.COMMENT, tokenize.STRING
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type in kinds or token.string.startswith("test_"):
+            yield re.sub("`[^`]*`", " ", token.string).replace("_", " ")
+
+
+@pytest.mark.parametrize("folder", ["py", "scripts", "tests"])
+def test_code_uses_the_words_of_the_field(folder):
+    """Also names between quotes; a file of tests that names the words, and old names, may."""
+    found = {}
+    for file in sorted((ROOT / folder).rglob("*.py")):
+        words = refusedWords("\n".join(proseOf(file.read_text()))) if file != Path(__file__) else []
+        if words and words not in (["certificate"], ["mend"], ["stripes"]):
+            found[str(file.relative_to(ROOT))] = words
+    assert found == {}
+
+
+def test_control_a_refused_word_in_a_comment_and_in_the_name_of_a_test_is_found():
+    source = 'bears = 1  # soil is told anew\ndef test_soil_bears_it():\n    """`stripes`"""\n'
+    assert refusedWords("\n".join(proseOf(source))) == ["anew", "bears"]
 
 
 def test_control_a_refused_word_is_found_and_a_name_is_not():

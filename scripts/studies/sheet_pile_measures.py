@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is measured of a run of the sheet pile: base, surface, collar, stripes of the mean stress.
+"""What is measured of a run of the sheet pile: base, surface, collar, checkerboard of the mean stress.
 
 For the studies beside; `summarise` puts it into a summary. What the numbers mean:
 doc/explanation/sheet-pile.md.
@@ -14,9 +14,9 @@ from sheet_pile_model import resistanceCurve
 from yade_mpm import diagnostics, geotech
 from yade_mpm.geotech import groundSurface
 
-STRIPES = {
-    "stripes": 0,
-    "stripesBelow": 2,
+CHECKERBOARD = {
+    "checkerboard": 0,
+    "checkerboardBelow": 2,
 }  # columns of the history, and how many cells below the tip their line begins
 
 
@@ -50,7 +50,7 @@ def summarise(a, scene, history):
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),
         "convertedDomains": int(history["convertedCount"][-1]),
-        **stripeMeans(a, depth, history),
+        **checkerboardMeans(a, depth, history),
         "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
         "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
         "energyError": float(history["energyError"][-1]),
@@ -112,16 +112,16 @@ def reactionBalance(a, scene, history, reach):
     return float(difference[inside].max()) if inside.any() else None
 
 
-def stripeColumns(a):
+def checkerboardColumns(a):
     """Columns of the history."""
-    return {tuple(STRIPES): partial(stripesFrom, a)}
+    return {tuple(CHECKERBOARD): partial(checkerboardFrom, a)}
 
 
-def stripesFrom(a, scene):
-    """Of each of STRIPES the stripes of the mean stress (`diagnostics.stripes`) along the second column of
-    particles beside the pile, -: from so many cells below its tip down as far as the uGIMP zone of the
-    hybrid reaches below the final one. Mean of both sides. It changes with the place of the tip in its
-    cell: only means over a cell of penetration tell something."""
+def checkerboardFrom(a, scene):
+    """The checkerboard of the mean stress (`diagnostics.checkerboard`) along the second column of particles
+    beside the pile, -, for each of CHECKERBOARD: from so many cells below its tip down as far as the uGIMP
+    zone of the hybrid reaches below the final one. Mean of both sides. It changes with the place of the
+    tip in its cell: only means over a cell of penetration say something."""
     tip = DEPTH - EMBEDDED - geotech.travel(scene.time, a.rate, a.ramp)
     lines = [
         diagnostics.meanStressAlong(
@@ -133,18 +133,20 @@ def stripesFrom(a, scene):
         )
         for side in (-1, 1)
     ]
-    return [meanStripes([p[y <= tip - cells * a.cell] for y, p in lines]) for cells in STRIPES.values()]
+    return [
+        meanCheckerboard([p[y <= tip - cells * a.cell] for y, p in lines]) for cells in CHECKERBOARD.values()
+    ]
 
 
-def meanStripes(lines):
-    """Mean of the stripes of lines; nan where one is too short."""
-    return sum(map(diagnostics.stripes, lines)) / len(lines) if min(map(len, lines)) > 2 else nan
+def meanCheckerboard(lines):
+    """Mean of the checkerboard of lines; nan where one is too short."""
+    return sum(map(diagnostics.checkerboard, lines)) / len(lines) if min(map(len, lines)) > 2 else nan
 
 
-def stripeMeans(a, depth, history):
-    """Of each of STRIPES the mean over the last cell of penetration, and by depth over a cell about it."""
+def checkerboardMeans(a, depth, history):
+    """Means for each of CHECKERBOARD over the last cell of penetration, and by depth over a cell."""
     means = {}
-    for name in STRIPES:
+    for name in CHECKERBOARD:
         known = np.isfinite(history[name])
         at, values = depth[known], history[name][known]
         means[name] = extreme(values[at > depth[-1] - a.cell], np.mean)

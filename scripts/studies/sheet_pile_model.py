@@ -14,8 +14,8 @@ from yade_mpm.geotech import penetration
 PUBLISHED = dict(cohesion=8.5, phi=30.0, psi=10.0, tip=180.0, ramp=0.0, flip=1.0, on_distortion="stop")
 PUBLISHED |= dict(dilatancyLimit=None, split=None, fbar=False, undamped=False, closing=False)
 PUBLISHED |= dict(thickness=lambda a: cellsOf(a, 0.25) * a.cell, dt=lambda a: stepOf(a))
-REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
-REMEDIES |= dict(closing=True, ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
+CORRECTIONS = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
+CORRECTIONS |= dict(closing=True, ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
 
 
 def refusal(a, given):
@@ -41,7 +41,7 @@ MODEL = mpm.Parameters(
     Parameter("friction", None, "the soil slips on the pile (default: bonded, published)", least=0),
     Parameter("implicit", False, "an implicit pile with its true inertia, and a step four times as long"),
     Parameter("graded", False, "cells that grow to 1 m outside of the uGIMP zone"),
-    Parameter("remedies", False, "what mends the published model", sets=REMEDIES),
+    Parameter("corrections", False, "what corrects the published model", sets=CORRECTIONS),
     fixed=PUBLISHED,
     derived=dict(
         # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
@@ -60,7 +60,7 @@ def cellsOf(a, length):
 
 
 def stepOf(a):
-    """Time step (s) that soil and contact bear, with a margin; an explicit pile asks for less."""
+    """Time step (s) at which soil and contact are stable, with a margin; an explicit pile asks for less."""
     if not a.implicit:
         return 2e-4 * min(1.0, a.cell / 0.25)
     if a.friction is None:

@@ -2,13 +2,14 @@
 """The sheet pile with every parameter of its model, and all that is measured of a run.
 
 The scene is that of scripts/sheet_pile.py, here as the published model unless options say otherwise; that
-script runs it with --remedies --implicit --graded --cell 0.125. Besides: resistance at the base, surface,
-stripes of the mean stress (doc/explanation/sheet-pile.md), and with --rateCheck what twice the rate changes.
+script runs it with --corrections --implicit --graded --cell 0.125. Besides: resistance at the base, surface,
+checkerboard of the mean stress (doc/explanation/sheet-pile.md), and with --rateCheck the effect of twice the
+rate.
 Units: Mg, m, s, kPa, per metre of thickness.
 
     scripts/run sheet_pile_study --psi 0 --fbar
     scripts/run sheet_pile_study --types apdi --on-distortion convert
-    scripts/run sheet_pile_study --remedies --rateCheck
+    scripts/run sheet_pile_study --corrections --rateCheck
 """
 
 import argparse
@@ -16,7 +17,7 @@ import argparse
 import sheet_pile_model
 import yade_mpm as mpm
 from sheet_pile import DEPTH
-from sheet_pile_measures import stripeColumns, summarise
+from sheet_pile_measures import checkerboardColumns, summarise
 from sheet_pile_model import build
 from sheet_pile_pictures import draw
 from yade_mpm import Parameter, app, plot
@@ -54,7 +55,7 @@ PARAMETERS = sheet_pile_model.MODEL.extended(
     Parameter("psi", 10.0, "dilatancy angle", unit="degrees", least=0, most=30),
     Parameter("dilatancyLimit", None, LIMIT, least=0),
     Parameter("tip", 180.0, "wedge of the pile; needs --friction", unit="degrees", least=30, most=180),
-    Parameter("closing", False, "soil that opened closes before it bears pressure again"),
+    Parameter("closing", False, "soil that opened closes before it resists pressure again"),
     Parameter("undamped", False, "no local damping in the pile, which it brakes as it vibrates"),
     Parameter("split", None, "cut uGIMP particles in two at this stretch (default: never)", above=1),
     Parameter("fbar", False, "against locking: cell-mean volumetric strain, mean stress linear in a cell"),
@@ -78,12 +79,12 @@ def run(a, again=None):
     """Runs the scene and leaves its results in a.out; returns summary, scene and history. A run that is
     resumed at its end
     keeps its results. again : checkpoint that continues an interrupted run; default: its own."""
-    snapshots, stripes = plot.Snapshots("plasticShearStrain"), stripeColumns(a)
+    snapshots, checkerboard = plot.Snapshots("plasticShearStrain"), checkerboardColumns(a)
 
     def begin():
-        return penetration.recorded(a, "sheet_pile", build(a), snapshots, DEPTH + a.cell, stripes)
+        return penetration.recorded(a, "sheet_pile", build(a), snapshots, DEPTH + a.cell, checkerboard)
 
-    run = app.Run(a, begin, {"snapshots": snapshots}, stripes, again)
+    run = app.Run(a, begin, {"snapshots": snapshots}, checkerboard, again)
     scene, history = run.finish()
     sensitivity = rateCheck(a, *sheet_pile_model.resistanceCurve(a, scene, history)) if a.rateCheck else None
     certificate = mpm.quasiStatic(history, rateSensitivity=sensitivity)

@@ -145,7 +145,7 @@ TEST(FrictionLaw, startsOfSurfacesThatPartDoNotAgree) {
     EXPECT_EQ(exchanged(1.1).agreeing.norm(), 0);
 }
 
-// Velocities made anew have no gap to close: what parts there was pressed together by the stress of this step.
+// Velocities made again have no gap to close: what parts there was pressed together by the stress of this step.
 TEST(FrictionLaw, surfacesThatPressedStayTogetherWhateverImpactsLose) {
     for (const double impactLoss : {0.0, 0.5, 1.0}) {
         const FrictionLaw law{0, 0, true, true, impactLoss};

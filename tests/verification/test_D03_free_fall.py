@@ -138,7 +138,7 @@ def test_body_force_acts_like_gravity_along_either_axis(kind, axis):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_work_of_a_body_force_is_booked(kind):
+def test_the_work_of_a_body_force_is_counted(kind):
     scene = blockScene(kind, 2, "MUSL")
     for body in scene.bodies:
         body.bodyForce = (0.0, -3.0)

@@ -134,8 +134,8 @@ def test_disks_in_contact_keep_energy_and_momentum(type_, scheme, step, verified
 
 @SHAPES
 def test_an_impact_that_stops_a_layer_costs_disks_little(type_):
-    """The default: 0.1 to 1.6 % of the speed of rebound, 4 to 8 % of the energy, of which 2 to 3 % are booked
-    as lost in contact."""
+    """The default: 0.1 to 1.6 % of the speed of rebound, 4 to 8 % of the energy, of which 2 to 3 % count as
+    lost in contact."""
     kept, lost = (Collision(type_, contact=mpm.Contact(impactLoss=loss)) for loss in (0, 1))
     speeds = [run.disks[1].mass @ run.disks[1].velocity[:, 0] for run in (kept, lost)]
     assert 0.98 < speeds[1] / speeds[0] < 1.001

@@ -198,7 +198,7 @@ def shaken(type_, factor, steps, scheme="MUSL"):
 
     Once uGIMP boxes overhang a grid line by any amount the critical step is 18 % shorter than of the
     aligned block, so
-    the run warns; MUSL bears it.
+    the run warns; MUSL stays bounded.
     """
     scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1, scheme=scheme)
     body = scene.add("block", box((0.5, 0.5), (1, 1)), mpm.LinearElastic(**SOIL), type_)

@@ -217,7 +217,7 @@ def test_without_shared_cells_the_pressure_goes(dim):
     "scheme", ["MUSL", "USL", pytest.param("USF", marks=pytest.mark.filterwarnings("ignore"))]
 )
 def test_forces_are_those_of_the_drive(scheme):
-    """What the soil does to the block, through shared cells and by contact, the drive bears."""
+    """What the soil does to the block, through shared cells and by contact, the drive resists."""
     scene, soil, block, contact = driven(scheme=scheme, friction=0.2)
     scene.run(until=0.2, progress=False)
     force = contact.forceOn("block")
@@ -289,8 +289,8 @@ def test_no_force_before_surfaces_meet(gap):
 
 
 def test_friction_counts_all_that_presses_and_no_more():
-    """A block under its weight is dragged over an elastic bed: cells bear most of it. Counted as
-    pressure times area it was 7 % more than the cells bear."""
+    """A block under its weight is dragged over an elastic bed: cells resist most of it. Counted as
+    pressure times area it was 7 % more than the cells resist."""
     scene, block, contact, drive = onBed(0, (0.4, None), "elastic", width=4, gravity=10, friction=0.3)
     scene.run(until=0.4, progress=False)
     before, up, closed = contact.frictionWork, [], 0

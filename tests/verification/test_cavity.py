@@ -74,7 +74,7 @@ def isMet(verified, summary, upTo):
 
 @pytest.mark.parametrize("size", [("--smoke",), pytest.param((), marks=slow)])
 @pytest.mark.verifies("Cavity widened 3 times in clay: pressure", reference="closed form", tolerance=0.03)
-def test_clay_bears_what_its_strength_and_stiffness_say(size, verified):
+def test_clay_resists_what_its_strength_and_stiffness_say(size, verified):
     summary = run(*size)
     isMet(verified, summary, upTo=3)
 
@@ -94,7 +94,7 @@ SHORT = "--cells", "3", "--rate", "0.2", "--until", "2.1"
 
 @pytest.mark.parametrize("size", [SHORT, pytest.param(("--rate", "0.2"), marks=slow)])
 @pytest.mark.verifies("Sphere widened 3 times in clay: pressure", reference="closed form", tolerance=0.01)
-def test_clay_round_a_sphere_bears_what_its_strength_and_stiffness_say(size, verified):
+def test_clay_round_a_sphere_resists_what_its_strength_and_stiffness_say(size, verified):
     isMet(verified, run(*SPHERE, *size), upTo=2)
 
 
@@ -102,7 +102,7 @@ def test_clay_round_a_sphere_bears_what_its_strength_and_stiffness_say(size, ver
 @pytest.mark.verifies(
     "Sphere widened 3 times in sand: pressure", reference="Yu and Houlsby 1991", tolerance=0.02
 )
-def test_sand_round_a_sphere_bears_what_its_angles_say(size, verified):
+def test_sand_round_a_sphere_resists_what_its_angles_say(size, verified):
     isMet(verified, run(*SPHERE, *FRICTION[:4], *size), upTo=2)
     summary = run(*SPHERE, *FRICTION[:2], "--psi", "0", *SHORT)  # control: no dilatancy
     module = script("cavity")
@@ -111,12 +111,12 @@ def test_sand_round_a_sphere_bears_what_its_angles_say(size, verified):
 
 
 @slow
-def test_control_a_small_body_bears_less():
+def test_control_a_small_body_resists_less():
     """Its outer surface gives way: -su R^2/B^2, R = 28 m, B = 30 m."""
     assert run("--smoke", OUTSIDE=30.0)["error"][-1] < -0.1
 
 
-def test_control_soil_that_does_not_dilate_bears_less():
+def test_control_soil_that_does_not_dilate_resists_less():
     """Than the pressure of one that does."""
     module = script("cavity")
     grown, curve, _ = module.exact(module.arguments(FRICTION))

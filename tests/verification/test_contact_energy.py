@@ -166,7 +166,9 @@ def test_of_a_disc_on_an_incline(base, slope, friction):
 def test_of_the_sheet_pile():
     """Coarse; soil that flows round a wedge, with friction; impacts are lost."""
     model = script("sheet_pile_model")
-    watched(model.build(model.MODEL.parse(["--smoke", "--remedies", "--threads", "1"])), most=0.01, until=0.8)
+    watched(
+        model.build(model.MODEL.parse(["--smoke", "--corrections", "--threads", "1"])), most=0.01, until=0.8
+    )
 
 
 @pytest.mark.parametrize("isHeld", [False, True], ids=["free", "held"])

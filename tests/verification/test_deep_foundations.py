@@ -17,8 +17,8 @@ def run(name, *options):
 
 # --- cone -------------------------------------------------------------------------------------------------
 @pytest.mark.verifies("Cone in clay: force on its shaft", reference="adhesion times area", tolerance=0.1)
-def test_a_shaft_bears_its_adhesion_and_no_more(verified):
-    """After one radius; the tip has not come to its limit. Control: a smooth shaft bears nothing."""
+def test_a_shaft_resists_by_its_adhesion_and_no_more(verified):
+    """After one radius; the tip has not come to its limit. Control: a smooth shaft resists nothing."""
     rough, smooth = (run("cone", "--smoke", "--alpha", alpha) for alpha in ("1", "0"))
     verified(rough["onShaft"], 1)
     verified(smooth["onShaft"], 0, scale=1, within=0.02)

@@ -71,7 +71,7 @@ def boxes(cell):
 @pytest.mark.verifies(
     "Rough strip on sand, 30 degrees, mesh: N_gamma", reference="Martin 2005", tolerance=0.05
 )
-def test_a_mesh_of_sand_bears_a_footing_by_its_weight(verified):
+def test_a_mesh_of_sand_resists_a_footing_by_its_weight(verified):
     found = factor(footing(30, mesh)[1], 4e-4)
     verified(found, EXACT[30])
     other = factor(footing(30, lambda cell: mesh(cell, 0.5))[1], 4e-4)
@@ -112,7 +112,7 @@ def test_a_circle_where_friction_is_low_tends_to_its_load(verified):
 @pytest.mark.slow
 @pytest.mark.parametrize("phi, within", [(30, 0.08), (20, 0.18)])
 @pytest.mark.verifies("Rough strip on sand, boxes: N_gamma", reference="Martin 2005", tolerance=0.18)
-def test_boxes_of_sand_bear_a_footing_by_its_weight(phi, within, verified):
+def test_boxes_of_sand_resist_a_footing_by_its_weight(phi, within, verified):
     verified(factor(footing(phi, boxes)[1], 4e-4), EXACT[phi], within=within)
 
 

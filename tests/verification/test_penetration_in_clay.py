@@ -5,7 +5,7 @@ and its shaft apart (scripts/clay_pile.py); and a wedge in soil with friction (s
 References and their sources are in the docstrings of the scripts and in doc/theory/penetration.md; none
 but that of the plate is a theorem. Tolerances: plate 7 % (5 % were asked for), pipe as mean over its depth
 7 %, rough 10 %, tip 10 % of the deep one, shaft 5 % of the adhesion where soil touches, wedge 8 %.
-Controls: nodes make a pipe too large, soil without F-bar locks, a smooth shaft bears nothing.
+Controls: nodes make a pipe too large, soil without F-bar locks, a smooth shaft resists nothing.
 """
 
 from math import pi
@@ -82,7 +82,7 @@ def test_control_nodes_make_a_pipe_too_large():
 @pytest.mark.verifies(
     "Sheet pile in clay: resistance of the shaft", reference="adhesion times area in contact", tolerance=0.05
 )
-def test_a_shaft_bears_its_adhesion_where_soil_touches(verified):
+def test_a_shaft_resists_by_its_adhesion_where_soil_touches(verified):
     """Clay stands away from the uppermost half metre; tip and shaft together are what the drive gives."""
     summary = run("clay_pile", "--smoke", "--alpha", "0.5")
     assert 0.6 < summary["touchingOverLength"] < 0.9
@@ -96,7 +96,7 @@ def test_a_shaft_bears_its_adhesion_where_soil_touches(verified):
     "Sheet pile in clay: resistance of the tip", reference="deep strip, 2 + 2 pi", tolerance=0.1
 )
 def test_a_deep_tip_is_that_of_a_strip(verified):
-    """And a control: the smooth shaft bears nothing."""
+    """And a control: the smooth shaft resists nothing."""
     summary = run("clay_pile", "--depth", "5", "--rate", "0.4")
     verified(summary["errorOfDeepTip"], 0, scale=1)
     assert abs(summary["shaft"]) < 0.01 * summary["tipFactor"] * 10 * 0.4

@@ -182,7 +182,7 @@ def footing(water=None, cells=10, drop=0.02, rate=0.05):
 
 
 @pytest.mark.verifies("strip footing, undrained", reference="Prandtl: 5.14 c cos phi", tolerance=0.015)
-def test_an_undrained_footing_bears_the_undrained_strength(verified):
+def test_an_undrained_footing_resists_with_the_undrained_strength(verified):
     """c cos phi: the mean effective stress stays where water keeps the volume. Held nodes act half a cell
     wider on each side. Extrapolated from 10 and 20 cells in a metre."""
     found = []
@@ -199,7 +199,7 @@ def test_an_undrained_footing_bears_the_undrained_strength(verified):
     reference="Prandtl, with Davis 1968 for no dilatancy",
     tolerance=0.05,
 )
-def test_a_footing_bears_more_the_slower_it_is(verified):
+def test_a_footing_resists_more_the_slower_it_is(verified):
     """From undrained to drained: the bearing capacity of c* = c cos phi, tan phi* = sin phi."""
     loads = [footing(mpm.PoreWater(permeability=k))[0] for k in (4e-8, 4e-6, 4e-5, 4e-4, 4e-3, 1.0)]
     assert (np.diff(loads) > 0).all()

@@ -64,7 +64,7 @@ REFUSED = {  # of the scenes, which argument with which words
     "footing_study": ["--halfWidth 0.1", "--halfWidth 30"],
     "strip_load": ["--cell 0.3", "--size 0.4", "--extent 5.3 with --cell 0.25 : --extent 5.3"],
     "wall": ["--cell 0.3", "--rate -0.1", "--damping -1", "--psi 31"],
-    "remedies": ["--rate 0", "--penetration -1", "--penetration 9"],
+    "corrections": ["--rate 0", "--penetration -1", "--penetration 9"],
 }
 
 
@@ -106,7 +106,7 @@ def test_arguments_that_would_have_no_effect_are_refused(name, words, ignored, c
         ("plate_with_hole", "--cells 8"),
         ("strip_load", "--cell 0.25 --extent 40"),
         ("wall", "--cell 0.25 --rate 0.02"),
-        ("remedies", "--cell 0.25 --rate 0.2 --penetration 2"),
+        ("corrections", "--cell 0.25 --rate 0.2 --penetration 2"),
     ],
 )
 def test_a_smoke_run_takes_what_is_given(name, words):

@@ -193,7 +193,7 @@ def test_a_layer_with_tied_sides_moves_as_one_without_an_end(kind):
     assert np.abs(found["free"] - 1).max() > 0.1
 
 
-def test_the_base_bears_the_weight_that_it_bore():
+def test_the_base_supports_the_weight_that_it_had():
     scene, body = layer(gravity=9.81, cells=20)
     scene.roller("left", "right")
     scene.fix("bottom")

@@ -26,15 +26,15 @@ KEYS = """
 arguments versions threads particles bodies soilParticles allUGIMPSoilParticles soilParticleRatio steps
 dt dtCritical wallSeconds nsPerParticleStep peakMemoryBytes timing penetration resistance
 resistanceScatter appliedForce resistanceAtBase heaveArea troughArea cavityArea displacedArea
-openCavityArea collarThickness surfaceHighest minJacobian invertedDomains convertedDomains stripes
+openCavityArea collarThickness surfaceHighest minJacobian invertedDomains convertedDomains checkerboard
 hourglassMax kineticEnergyRatioMax energyError reactionBalanceMaxTo1.5m reactionBalanceMax
-isolatedParticles surfaceContinuous openBesidePile surfaceSingleValued tipDrift stripesAt stripesBelow
-stripesBelowAt quasiStatic files
+isolatedParticles surfaceContinuous openBesidePile surfaceSingleValued tipDrift checkerboardAt
+checkerboardBelow checkerboardBelowAt quasiStatic files
 """
 
 
 # --- particles of the default scene -------------------------------------------------------------------------
-@pytest.mark.parametrize("words, ratio, allUGIMP", [([], 0.285, 23024), (["--remedies"], 0.288, 23216)])
+@pytest.mark.parametrize("words, ratio, allUGIMP", [([], 0.285, 23024), (["--corrections"], 0.288, 23216)])
 def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, ratio, allUGIMP):
     def count(*types):
         scene = sheet_pile_model.build(sheet_pile_study.arguments([*words, *types]))
@@ -146,7 +146,7 @@ def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
     assert [r[0]["surfaceSingleValued"] for r in runs[1:3]] == [True, None]
 
 
-# --- the run to trust ---------------------------------------------------------------------------------------
+# --- the converged set-up -----------------------------------------------------------------------------------
 def enginesOf(scene):
     """Engines and their options; scene.contact gives the friction to a pair, and Contact to all groups."""
     return [re.sub(r"(Contact\()friction=\S+ ", r"\1", repr(engine)) for engine in scene.engines]
@@ -155,9 +155,9 @@ def enginesOf(scene):
 @pytest.mark.parametrize(
     "own, words",
     [
-        ([], ["--remedies", "--implicit", "--graded"]),
+        ([], ["--corrections", "--implicit", "--graded"]),
         (["--published"], ["--rate", "0.1"]),
-        (["--smoke"], ["--smoke", "--remedies", "--implicit", "--graded", "--ramp", "0.5"]),
+        (["--smoke"], ["--smoke", "--corrections", "--implicit", "--graded", "--ramp", "0.5"]),
         (["--smoke", "--published"], ["--smoke"]),
     ],
 )
@@ -188,8 +188,8 @@ def test_a_fine_implicit_pile_keeps_its_energy():
     assert abs(missing) < 0.01 and scene["pile"]._core.internalWork < 0.5
 
 
-# --- stripes ------------------------------------------------------------------------------------------------
-def test_stripes_leave_out_the_peak_at_the_tip_but_nothing_below():
+# --- checkerboard -------------------------------------------------------------------------------------------
+def test_a_checkerboard_leaves_out_the_peak_at_the_tip_but_nothing_below():
     a = sheet_pile_study.arguments([])
     scene = sheet_pile_model.build(a)
     tip = sheet_pile.DEPTH - sheet_pile.EMBEDDED
@@ -197,7 +197,7 @@ def test_stripes_leave_out_the_peak_at_the_tip_but_nothing_below():
     def both(pressure):
         for body in sheet_pile_measures.soilBodies(scene):
             body.stress[...] = -pressure(tip - body.position[:, 1])[:, None, None] * np.eye(3)
-        return sheet_pile_measures.stripesFrom(a, scene)
+        return sheet_pile_measures.checkerboardFrom(a, scene)
 
     peak = both(lambda depth: 100.0 + 400 * (depth < a.cell))
     assert peak[0] > 0.3 and peak[1] == 0
@@ -221,7 +221,7 @@ def test_the_comparison_has_what_both_runs_found(runs):
 
 
 @pytest.mark.slow
-def test_slip_without_the_other_remedies_does_not_burst():
+def test_slip_without_the_other_corrections_does_not_burst():
     """Found over 0.8 to 1.1 m: 330 to 500 kN/m at the drive, balance open by 2.9 % of the work. While the
     normal of the tip followed the force of the last step it fell to 60 kN/m as the soil burst."""
     a = sheet_pile_study.arguments(["--friction", "0.3", "--until", "11", "--threads", "1"])

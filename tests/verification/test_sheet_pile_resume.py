@@ -25,7 +25,7 @@ OPTIONS, DEEPER = map(  # the deeper one: three cells, for --compare
 RESULTS = (
     "penetration resistance appliedForce resistanceAtBase soilParticleRatio heaveArea energyError steps dt"
 )
-RESULTS += " dt stripes stripesAt stripesBelow stripesBelowAt"
+RESULTS += " dt checkerboard checkerboardAt checkerboardBelow checkerboardBelowAt"
 
 
 def results(*words):
@@ -113,7 +113,7 @@ def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(monk
     first, picture = (Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
     rows = Path("cut/ugimp/history.csv").read_text().count("\n")
     with monkeypatch.context() as patch:
-        patch.setattr(sheet_pile_study, "build", None)  # neither run begins anew
+        patch.setattr(sheet_pile_study, "build", None)  # neither run begins again
         resumed = compared(patch, "--resume", "cut/checkpoint.h5")
         assert compared(patch, "--resume", "cut/checkpoint.h5") == resumed  # both are at their ends
     assert (first, picture) == tuple(
@@ -126,7 +126,7 @@ def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(monk
     assert len(s1) == 3 and resumed["resistance"] == {depth: [s1[depth], s2[depth]] for depth in s1}
 
 
-def test_the_second_half_begins_anew_after_another_run(monkeypatch):
+def test_the_second_half_begins_again_after_another_run(monkeypatch):
     """What that left in the folder belongs to other arguments."""
     interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", "0.9", "--out", "cut")
     a = sheet_pile_compare.arguments(["--resume", "cut/checkpoint.h5"])

@@ -40,7 +40,7 @@ def thrusts(level, height=2.0, toe=0.0):
 @pytest.mark.verifies("thrust of wet ground on a wall", reference="K0 and hydrostatic", tolerance=0.01)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("cut", [0.0, 0.125])
-def test_a_wall_bears_the_effective_and_the_water_thrust(kind, cut, verified):
+def test_a_wall_feels_the_effective_and_the_water_thrust(kind, cut, verified):
     scene, soil, drive = wall(kind, cut=cut)
     scene.run(steps=200, progress=False)
     verified(drive.reaction[0], sum(thrusts(1.5)))
@@ -109,7 +109,7 @@ def footing(implicit=False, water=True, drop=0.015, rate=0.05):
 )
 @pytest.mark.parametrize("implicit", [False, True])
 def test_a_plate_of_its_own_finds_the_undrained_strength(implicit, verified):
-    """And the soil that it displaces keeps its volume: without water it bears three times as much."""
+    """And the soil that it displaces keeps its volume: without water it resists three times as much."""
     found, soil = footing(implicit)
     verified(found, 5.14)
     ratio = soil.volume / soil.initialVolume
@@ -231,7 +231,7 @@ def test_water_keeps_the_momentum_of_soil_and_body(implicit):
 @pytest.mark.parametrize("implicit", [False, True])
 @pytest.mark.parametrize("isWet", [False, True])
 def test_the_energy_of_a_block_that_hits_soil_balances(implicit, isWet):
-    """An impact stops an implicit block as a whole; booked by its nodes alone 10 to 12 % were missing."""
+    """An impact stops an implicit block as a whole; counted by its nodes alone 10 to 12 % were missing."""
     scene, _, body = thrown(implicit, isWet=isWet)
     thrownIn = mpm.diagnostics.kineticEnergy(scene)
     scene.run(steps=100, progress=False)

@@ -88,9 +88,9 @@ def test_undrained_rings_keep_their_volume(kind, within):
 @pytest.mark.verifies(
     "circular footing on undrained clay, by effective stress", reference="Cox et al. 1961", tolerance=0.05
 )
-def test_a_circular_footing_bears_the_undrained_strength(kind, cells, isRough, exact, verified):
+def test_a_circular_footing_resists_with_the_undrained_strength(kind, cells, isRough, exact, verified):
     """Of the radius of 1 m; what holds nodes presses half a cell beyond the last one. The skeleton alone
-    would lose volume (Poisson's ratio of 0.2): water bears the mean stress, and the effective one stays."""
+    would lose volume (Poisson's ratio of 0.2): water takes the mean stress, and the effective one stays."""
     h, su, shear, nu, rate, end = 1 / (cells + 0.5), 10.0, 1e4, 0.2, 0.05, 0.3
     wide, deep = np.ceil(4 / h) * h, np.ceil(3 / h) * h
     scene = mpm.Scene((0, 0), (wide, deep + 4 * h), h, axisymmetric=True, threads=1, damping=0.5)

@@ -47,7 +47,7 @@ def test_a_table_by_time_is_one_that_rises_by_rows():
     restarted(scene, 20)
 
 
-def test_a_table_may_change_its_shape_and_be_given_anew():
+def test_a_table_may_change_its_shape_and_be_given_again():
     water = mpm.PoreWater(table={0: [(0, 3), (4, 3)], 10: [(1, 3), (4, 1)], 20: 2.0})
     at = np.array([[0.0, 0.0], [2.5, 0.0], [4.0, 0.0]])
     for time, level in (

@@ -83,7 +83,7 @@ def test_an_initial_stress_beyond_yield_is_warned_of_with_what_K0_is_borne(K0, i
 def test_a_stress_of_the_users_own_beyond_yield_is_warned_of():
     scene = oneBody(material=soil())
     stress = np.zeros((scene["block"].count, 3, 3))
-    stress[:, 0, 1] = stress[:, 1, 0] = 4.0  # the cone bears 5 cos(30 degrees) = 4.33
+    stress[:, 0, 1] = stress[:, 1, 0] = 4.0  # the yield cone allows 5 cos(30 degrees) = 4.33
     scene["block"].stress = stress
     assert warningsOf(scene.prepare) == []
     stress[:4] = 10 * np.eye(3)  # beyond the apex, 8.66

@@ -34,7 +34,7 @@ LOOPS = {  # what engines and loops of your own need
         "stepper",
     )
 }
-# What completion leaves out and help has: numbers behind what `describe`, `run` and the certificate tell.
+# Completion leaves these out and help has them: numbers behind what `describe`, `run` and `quasiStatic` say.
 SELDOM = {
     "Scene": (
         "changes",

@@ -173,21 +173,21 @@ OF_THE_RUN = (
 )
 
 
-def checkFields(body, remedy=BY_HAND):
+def checkFields(body, advice=BY_HAND):
     """Refuses values that are not finite, mass or volume that is not positive, and strengths out of range.
 
     Parameters
     ----------
     body : Body
-    remedy : str, what to do about them; default: what is right for values that were set between runs.
+    advice : str, what to do about them; default: what is right for values that were set between runs.
     """
     for ofDomains in (False, True):
         for name in (field["name"] for field in body._core.fields(ofDomains)):
             if name != "bodyForce" or body._core.hasBodyForce:
-                _checkField(body, name, np.asarray(body._core.view(name, ofDomains)), remedy)
+                _checkField(body, name, np.asarray(body._core.view(name, ofDomains)), advice)
 
 
-def _checkField(body, name, values, remedy):
+def _checkField(body, name, values, advice):
     if name == "stress" and body.scene.dim == 2 and values[:, 2, :2].any():
         raise ValueError(
             f"body '{body.name}': stress has shear out of the plane, which plane strain does not have; "
@@ -201,12 +201,12 @@ def _checkField(body, name, values, remedy):
         who = f"entry {at[0]}{_ofParticle(body, name, at[0])}"
         raise ValueError(
             f"body '{body.name}': {name} = {values[at]:g} of {who} is not {allowed}, and "
-            f"only {allowed} numbers are allowed; {remedy}"
+            f"only {allowed} numbers are allowed; {advice}"
         )
     try:
         body.material._checkRange(name, values)
     except ValueError as error:
-        raise ValueError(f"body '{body.name}': {error}; {remedy}") from None
+        raise ValueError(f"body '{body.name}': {error}; {advice}") from None
 
 
 def _ofParticle(body, name, entry):

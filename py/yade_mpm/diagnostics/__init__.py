@@ -23,7 +23,7 @@ from .balance import (
 )
 from .drainage import drainage
 from .facePressure import FacePressure, facePressure, pressureImpulse
-from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
+from .forces import checkerboard, meanStressAlong, sectionForce, stripes, unbalancedRatio
 from .piezometer import piezometer
 from .sections import SectionForces, bendingMoment, normalForce, sectionForces, shearForce
 from .shapes import (
@@ -63,7 +63,7 @@ __all__ = [
     "convertedCount",
     "cornerJacobians",
     "meanStressAlong",
-    "stripes",
+    "checkerboard",
     "unbalancedRatio",
     "sectionForce",
     "sectionForces",

@@ -163,7 +163,7 @@ def quasiStatic(
     rateSensitivity: float | None = None,
     limits: dict | None = None,
 ) -> Certificate:
-    """Certificate of a run: whether it can be called quasi-static, by its history.
+    """Check of a run: whether it can be called quasi-static, by its history.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..base.deprecation import warnDeprecated
 from ..base.kinds import BODIES, BODY, FINITE, NUMBER, NUMBERS, POSITIVE, SCENE, takes
 
 
@@ -29,7 +30,7 @@ def meanStressAlong(bodies, x, width, lower, upper):
 
 
 @takes(values=NUMBERS)
-def stripes(values):
+def checkerboard(values):
     """Root mean square of the second difference of values along a line over their mean, -.
 
     Parameters
@@ -37,15 +38,21 @@ def stripes(values):
     values : (N,), e.g. of `meanStressAlong`.
 
     A linear profile gives 0; values that alternate by +-a from row
-    to row, 4 a over the mean. Volumetric locking and modes that cell-wise integration leaves free appear as
-    such stripes.
+    to row, 4 a over the mean. Volumetric locking and modes that cell-wise integration leaves free alternate
+    so.
 
     Raises ValueError for fewer than three values.
     """
     values = np.asarray(values, float)
     if values.ndim != 1 or len(values) < 3:
-        raise ValueError(f"stripes: values of shape {values.shape}; give three or more along a line")
+        raise ValueError(f"checkerboard: values of shape {values.shape}; give three or more along a line")
     return float(np.sqrt(np.mean(np.diff(values, 2) ** 2)) / abs(values.mean()))
+
+
+def stripes(values):
+    """Old name of `checkerboard`."""
+    warnDeprecated("diagnostics.stripes", "write diagnostics.checkerboard")
+    return checkerboard(values)
 
 
 @takes(scene=SCENE)

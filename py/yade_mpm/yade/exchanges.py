@@ -48,9 +48,9 @@ def _once(coupling):
     for exchange in coupling.exchanges:
         if not any(exchange is e for e in exchanges):
             exchanges.append(exchange)
-    anew = [e.contact for e in exchanges if isinstance(e, Bodies) and e not in coupling.kept]
+    again = [e.contact for e in exchanges if isinstance(e, Bodies) and e not in coupling.kept]
     return [
         e
         for e in exchanges
-        if not (isinstance(e, Bodies) and e in coupling.kept and any(e.contact is c for c in anew))
+        if not (isinstance(e, Bodies) and e in coupling.kept and any(e.contact is c for c in again))
     ]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """YADE's loop with engines of ours in it: their errors, files that go with YADE's own, pauses, O.dt.
 
-Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see
+Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and ends; see
 attach.
 """
 

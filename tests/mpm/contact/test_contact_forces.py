@@ -32,9 +32,9 @@ def test_adhesion_adds_its_stress_times_the_area_in_contact(pair, friction):
 
 
 @pytest.mark.parametrize("pair", ["ua", "ac", "cc"])
-def test_facets_bear_adhesion_on_all_of_the_surface(pair):
+def test_facets_have_adhesion_on_all_of_the_surface(pair):
     """Vertices lie closer than nodes, so that some of them could stop what approaches alone, and the others
-    would bear nothing: 7 to 16 % were missing."""
+    would resist nothing: 7 to 16 % were missing."""
     scene, [drive], _ = drawn(mpm.Contact(adhesion=2.0, constraints="facets"), [pair])
     run(scene, until=0.25)
     assert means(scene, 0.05, lambda: drive.reaction[0]) == pytest.approx(2.0 * 0.6, rel=0.01)
@@ -120,7 +120,7 @@ def test_contact_takes_energy_and_never_gives_any():
     assert len(base) > 0
 
 
-def test_friction_at_a_node_on_a_roller_books_no_energy_that_bodies_do_not_have():
+def test_friction_at_a_node_on_a_roller_counts_no_energy_that_bodies_do_not_have():
     """There an impulse along the surface, which round-off gave a direction, was 16 kN s: -3.5 kJ."""
     scene = mpm.Scene((0, 0), (3, 4), 0.25, threads=1)
     mesh, block = mpm.APDI(size=0.125), box((1, 0.5), (2, 1))

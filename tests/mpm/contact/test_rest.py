@@ -115,8 +115,8 @@ def test_ground_that_is_squeezed_out_under_a_block_has_no_more_energy_than_the_w
 @pytest.mark.parametrize(
     "ground, plate", [(mpm.APDI, mpm.APDI), (mpm.UGIMP, mpm.APDI), (mpm.APDI, mpm.UGIMP)]
 )
-def test_a_plane_surface_of_a_mesh_bears_its_exact_load(ground, plate):
-    """A column between rollers under a stiff plate, E ln(l)/l; by nodes two meshes bear 31 % too much."""
+def test_a_plane_surface_of_a_mesh_resists_its_exact_load(ground, plate):
+    """A column between rollers under a stiff plate, E ln(l)/l; by nodes two meshes resist 31 % too much."""
     h = 0.25
     scene = mpm.Scene((0, 0), (1, 2), h, threads=1)
     soft, hard = (mpm.LinearElastic(density=1, young=young, poisson=0.0) for young in (1e3, 1e5))
@@ -151,7 +151,7 @@ def test_meshes_side_by_side_stand_on_a_fixed_floor(nu, left):
     atRest = 0.5 * 0.43 * 1.8 * 9.81 * 2**2  # kN/m
     for _ in range(40):
         scene.run(steps=1, progress=False)
-        # the floor bears what presses on its own nodes: 12 % of the thrust with 8 cells in the height
+        # the floor supports what presses on its own nodes: 12 % of the thrust with 8 cells in the height
         assert 0.87 * atRest < -contact.forceOn(wall.group)[0] < atRest
 
 

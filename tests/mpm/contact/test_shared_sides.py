@@ -33,7 +33,7 @@ def divided(x, size, thickness=H):
 
 
 @pytest.mark.parametrize("x", [1.0, 1.05])
-def test_two_pressures_are_in_equilibrium_with_what_the_plate_bears(x):
+def test_two_pressures_are_in_equilibrium_with_what_the_plate_resists(x):
     """To round-off: what acts on the soil of one side is zero, and the plate has the difference."""
     scene, soil, contact, drive = divided(x, H / 4)
     scene.run(steps=50, progress=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Soil that has opened at the apex, or at the tension cut-off, closes before it bears pressure."""
+"""Soil that has opened at the apex, or at the tension cut-off, closes before it resists pressure."""
 
 from math import radians
 
@@ -22,7 +22,7 @@ def pressureAfter(*strains, **more):
 
 
 @pytest.mark.parametrize("more", [{}, {"cohesion": 5.0}, {"cohesion": 5.0, "tensionCutOff": 1.0}])
-def test_what_opened_closes_before_it_bears_pressure(more):
+def test_what_opened_closes_before_it_resists_pressure(more):
     limit = more.get("tensionCutOff", more.get("cohesion", 0) / np.tan(SAND["frictionAngle"]))
     opened = 0.01 + limit / BULK
     assert pressureAfter(opened, -0.006, closing=True, **more) == pytest.approx(-limit, abs=1e-9)
@@ -90,7 +90,7 @@ def test_single_boxes_keep_their_volume_in_a_collapse():
 
 
 @pytest.mark.parametrize("cell", [0.04, 0.02])
-def test_what_closing_soil_has_gained_bears_no_pressure(cell):
+def test_what_closing_soil_has_gained_has_no_pressure(cell):
     """So a coarse column may gain 2 % in sum: all of it stands open."""
     sand = collapsed(cell=cell)
     isOpen = sand.opening > 0.01
@@ -117,7 +117,7 @@ def test_no_box_stands_open_by_more_than_its_cell_has_room(shift):
 
 
 @pytest.mark.parametrize("kind", [mpm.UGIMP(), mpm.APDI()])
-def test_open_soil_bears_with_its_solid_volume(kind):
+def test_open_soil_resists_with_its_solid_volume(kind):
     """The stress of a particle that stands open by ln 3 acts on a third of its bulk volume."""
     scene = mpm.Scene((0, 0), (1, 1), 0.25, threads=1)
     sand = scene.add("sand", box((0, 0), (1, 0.5)), mpm.MohrCoulombDruckerPrager(**SAND), kind)

@@ -61,7 +61,7 @@ def test_particles_stay_within_a_node_of_their_block(dim, axis):
 
 @pytest.mark.parametrize("particles", [mpm.UGIMP(), mpm.APDI(size=H / 2)])
 def test_a_checkpoint_with_other_blocks_goes_on(tmp_path, particles):
-    """Earlier versions cut the grid otherwise: particles are grouped anew, and the run differs by
+    """Earlier versions cut the grid otherwise: particles are grouped again, and the run differs by
     round-off."""
     scene, body = flying(3, particles=particles)
     body.stress = np.diag([3.0, -2.0, 5.0])

@@ -166,8 +166,8 @@ def test_a_step_that_may_be_too_long_beside_a_bonded_block_is_warned_of(capsys):
 
 
 @pytest.mark.parametrize("kind", ["uGIMP", "APDI"])
-def test_a_block_that_swings_on_soil_books_no_loss(kind):
-    """It moves as a whole, and the soil is explicit: the swing keeps its energy. Booked was half of dt^2
+def test_a_block_that_swings_on_soil_counts_no_loss(kind):
+    """It moves as a whole, and the soil is explicit: the swing keeps its energy. Half of dt^2
     times mass times square of the acceleration, as if the forces of the soil were implicit, too: 64 % of what
     gravity does."""
     scene = mpm.Scene((0, 0), (1, 5), CELL, threads=1, scheme="USL")

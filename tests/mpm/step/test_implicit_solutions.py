@@ -82,7 +82,7 @@ def test_reactions_balance_momentum():
         assert np.abs(change - weight - reactions).max() < 1e-10 * scale
 
 
-def test_energy_that_the_solution_takes_is_booked():
+def test_energy_that_the_solution_takes_is_counted():
     scene = soilWithPile(damping=0.0)
     scene.dt = 5e-4
     scene.run(until=0.1, progress=False)

@@ -54,7 +54,7 @@ def test_a_drive_gives_its_velocity_to_what_moves(kind, scheme, flip, implicit, 
 
 @pytest.mark.parametrize("kind, scheme, flip, implicit", CASES)
 def test_a_drive_that_changes_takes_its_body_along(kind, scheme, flip, implicit):
-    """It moves, moves faster, stops, and lets go."""
+    """It moves, moves faster, stops, and ends."""
     scene, block, drive = moved(kind, scheme, flip, implicit)
     mass, speed = block.mass.sum(), 0.0
     for velocity in (-0.1, -0.2, 0.0):

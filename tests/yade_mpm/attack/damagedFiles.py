@@ -3,7 +3,7 @@
 
     python tests/yade_mpm/attack/damagedFiles.py --count 2000
 
-A file that is taken although its content was changed and its sum was not made anew is silent nonsense.
+A file that is taken although its content was changed and its sum was not made again is silent nonsense.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ MESHES = {  # name of a file -> how meshio writes it
     "j.bdf": {},
     "k.mesh": {},
 }
-STEPS = 2  # that a scene which was taken has to bear
+STEPS = 2  # that a scene which was taken has to run
 
 
 def elastic(mpm):
@@ -124,7 +124,7 @@ DAMAGES = (flipped, cut, overwritten, moved, wordsChanged)
 
 
 def tablesChanged(rng, content):
-    """Numbers of an array are others; the sum is made anew."""
+    """Numbers of an array are others; the sum is made again."""
     import h5py
     import numpy as np
     from yade_mpm.io.checkpoint import SEAL, sealOf

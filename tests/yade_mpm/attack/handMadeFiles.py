@@ -4,7 +4,7 @@ seed.
 
     python tests/yade_mpm/attack/handMadeFiles.py --count 1000
 
-What is taken has to bear a run, be looked at, be saved and be read again, and to write nowhere else.
+What is taken has to run, be looked at, be saved and be read again, and to write nowhere else.
 """
 
 import functools

@@ -106,7 +106,7 @@ def moreValid(f):
         "Snapshots value": lambda: "volume",
         "domains values": lambda: lambda body: body.volume,
         "drawDomains values": lambda: [1.0],
-        "stripes values": lambda: [0.0, 1.0, 2.0],
+        "checkerboard values": lambda: [0.0, 1.0, 2.0],
         "meanStressAlong x": lambda: 1.5,
         "quadrilaterals x": lambda: np.array([[0.0, 1.0], [0.0, 1.0]]),
         "quadrilaterals y": lambda: np.array([[0.0, 0.0], [1.0, 1.0]]),

@@ -16,7 +16,7 @@ from yade_mpm.diagnostics import certificate
 
 
 def verdict(found):
-    """The first line of a printed certificate."""
+    """The first line of a printed check."""
     return str(found).splitlines()[0]
 
 
@@ -205,7 +205,7 @@ def test_the_rate_is_judged_only_if_it_was_looked_at():
     assert "rateSensitivity" not in str(mpm.quasiStatic(bar(0.1)))
 
 
-def test_a_certificate_is_a_small_table():
+def test_a_quasi_static_check_is_a_small_table():
     unknown = np.full(101, np.nan)
     found = mpm.quasiStatic(bar(0.1, kineticEnergy=unknown), rateSensitivity=0.2)
     first, second, heads, *rows = str(found).splitlines()
@@ -234,7 +234,7 @@ def test_what_is_not_known_is_refused(changed, name):
     assert json.loads(json.dumps(found.asDict(), allow_nan=False))[name] is None
 
 
-def test_the_certificate_is_written_as_plain_numbers():
+def test_the_quasi_static_check_is_written_as_plain_numbers():
     plain = json.loads(json.dumps(mpm.quasiStatic(bar(0.1), rateSensitivity=0.2).asDict(), allow_nan=False))
     assert plain["isQuasiStatic"] is False
     assert plain["limits"] == certificate.LIMITS

@@ -280,19 +280,21 @@ def test_section_force_refuses_a_thickness_that_is_not_positive():
         d.sectionForce(column("UGIMP")["soil"], 1.0, thickness=0)
 
 
-# --- stripes --------------------------------------------------------------------------------------------
-def test_stripes_of_an_alternating_profile_are_four_amplitudes_over_the_mean():
+# --- checkerboard -------------------------------------------------------------------------------------------
+def test_the_checkerboard_of_an_alternating_profile_is_four_amplitudes_over_the_mean():
     y = np.arange(0.125, 10, 0.25)
     linear = -10 - 3 * y
-    assert d.stripes(linear) < 1e-13
-    striped = linear + 2.0 * (-1.0) ** np.arange(len(y))
-    assert d.stripes(striped) == pytest.approx(4 * 2.0 / abs(striped.mean()), rel=1e-12)
-    assert d.stripes(5 * striped) == pytest.approx(d.stripes(striped), rel=1e-12)
+    assert d.checkerboard(linear) < 1e-13
+    alternating = linear + 2.0 * (-1.0) ** np.arange(len(y))
+    assert d.checkerboard(alternating) == pytest.approx(4 * 2.0 / abs(alternating.mean()), rel=1e-12)
+    assert d.checkerboard(5 * alternating) == pytest.approx(d.checkerboard(alternating), rel=1e-12)
 
 
-def test_stripes_need_three_values():
-    with pytest.raises(ValueError, match=r"stripes: values of shape \(2,\); give three or more along a line"):
-        d.stripes([1.0, 2.0])
+def test_a_checkerboard_needs_three_values():
+    with pytest.raises(
+        ValueError, match=r"checkerboard: values of shape \(2,\); give three or more along a line"
+    ):
+        d.checkerboard([1.0, 2.0])
 
 
 def test_mean_stress_along_a_line_is_that_of_the_particles_in_the_strip_from_below():
@@ -308,4 +310,4 @@ def test_mean_stress_along_a_line_is_that_of_the_particles_in_the_strip_from_bel
     y, mean = d.meanStressAlong([soil], x=1.375, width=0.25, lower=0.5, upper=3.5)
     assert y == pytest.approx(np.arange(0.625, 3.5, 0.25))
     assert mean == pytest.approx(p[order].reshape(16, 8)[2:14, 5])
-    assert d.stripes(mean) == pytest.approx(4 * 3 / abs(mean.mean()))
+    assert d.checkerboard(mean) == pytest.approx(4 * 3 / abs(mean.mean()))

@@ -87,8 +87,8 @@ def givingWay(psi, cell=CELL, **options):
 
 def test_a_wall_that_gives_way_gets_the_pressure_of_rankine():
     """Each facet above the lowest cell. With the soil's velocity at the vertices of the wall, beyond the
-    surface of the soil, nodes that it hardly reaches bear all, the soil comes off, and the thrust is 16 % too
-    large."""
+    surface of the soil, nodes that it hardly reaches take all of it, the soil comes off, and the thrust is
+    16 % too large."""
     y, pressure, exact = givingWay(0, constraints="nodes", sharedCells=False)
     inside = (y > CELL) & (y < HEIGHT - CELL)
     assert pressure[inside] == pytest.approx(exact[inside], abs=0.03 * exact.max())

@@ -211,7 +211,7 @@ def test_points_of_the_wrong_shape_are_refused(region):
     ("describe a union: 'b'", lambda: regionFromSpec({"kind": "union", "a": SQUARE.spec()})),
     ("spec is a str; give a dict", lambda: regionFromSpec("box"), TypeError),
 )
-def test_bad_input_is_refused_with_the_remedy(named, make, kind):
+def test_bad_input_is_refused_with_what_to_do(named, make, kind):
     refused(named, make, kind)
 
 

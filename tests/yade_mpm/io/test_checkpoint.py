@@ -146,7 +146,7 @@ def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, step
     scene.save(tmp_path / "whole.h5")
 
     assert started != half and half != orderOf(scene), "the particles were re-sorted in both halves"
-    assert scene.dt != firstStep, "the time step was estimated anew"
+    assert scene.dt != firstStep, "the time step was estimated again"
     assert max(b.plasticShearStrain.max() for b in scene.bodies if "plasticShearStrain" in dir(b)) > 1e-4, (
         "the soil yields"
     )
@@ -215,7 +215,7 @@ def test_a_checkpoint_before_every_step_continues_bitwise(tmp_path, type):
         loaded.save(tmp_path / "other.h5")
         assert differences(bitsOf(tmp_path / "one.h5"), bitsOf(tmp_path / "other.h5")) == [], scene.steps
         groups.append(tuple(scene["flying"]._core.tables()["blockStart"]))
-    assert len(set(groups)) > 1, "the points were grouped anew"
+    assert len(set(groups)) > 1, "the points were grouped again"
 
 
 def test_the_energy_balance_is_there_before_the_next_run(tmp_path):

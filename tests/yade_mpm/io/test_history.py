@@ -20,7 +20,7 @@ def test_rows_come_every_period_in_steps_or_time():
 
 
 @pytest.mark.parametrize("loss", ["gone", "changed"])
-def test_a_table_that_somebody_took_away_or_changed_is_written_anew(loss, tmp_path):
+def test_a_table_that_somebody_took_away_or_changed_is_written_again(loss, tmp_path):
     """Rows went behind those of another scene, or nowhere."""
     history = mpm.History(iterPeriod=10, file=str(tmp_path / "a.csv"))
     scene = runWith(history)
@@ -103,7 +103,7 @@ def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
     assert not any(name.startswith("contact.") for name in bonded.names) and bonded["contactEnergy"][0] == 0
 
 
-def test_the_energy_balance_can_be_made_anew_from_the_columns(tmp_path):
+def test_the_energy_balance_can_be_made_from_the_columns(tmp_path):
     slide(mpm.History(iterPeriod=100, file=tmp_path / "a.csv"), 600)
     header, rows = readCSV(tmp_path / "a.csv")
     row = {name.split(" ")[0]: np.array(values) for name, values in zip(header, zip(*rows))}

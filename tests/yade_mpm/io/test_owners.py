@@ -44,7 +44,7 @@ def stepsInFile():
         return [int(line.split(",")[1]) for line in f.readlines()[1:]]
 
 
-def test_after_undo_the_scene_of_before_writes_no_more():
+def test_after_undo_the_replaced_scene_writes_no_more():
     """Rows and frames of both alternated, without an error."""
     scene = makeScene(history(), mpm.Recorder("a.vtkhdf", iterPeriod=1))
     run(scene)

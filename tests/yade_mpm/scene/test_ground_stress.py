@@ -101,7 +101,7 @@ def test_a_sheet_pile_that_floats_does_not_pull_the_ground_below_it(weight, isFl
 
 @pytest.mark.parametrize("top", [1.25, 2.0])
 def test_soil_holds_a_light_culvert_down(top):
-    """Below a body of 0.1 Mg/m3 the ground bears what lies above less the uplift, and no tension."""
+    """Below a body of 0.1 Mg/m3 the ground supports what lies above less the uplift, and no tension."""
     scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1, gravity=G)
     scene.fix("bottom")
     scene.roller("left", "right")

@@ -22,7 +22,7 @@ def makeScene(*engines, threads=1):
 
 
 @pytest.mark.parametrize("place", [1, 2, 4])
-def test_a_body_added_by_a_callback_is_refused_with_the_remedy(place):
+def test_a_body_added_by_a_callback_is_refused_with_what_to_do(place):
     """Between two stages it went round for ever in the solver."""
 
     def add(scene):

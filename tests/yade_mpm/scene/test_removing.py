@@ -30,7 +30,7 @@ def vertical(scene):
 
 
 @pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.5)])
-def test_what_is_left_bears_its_own_weight_alone(type_):
+def test_what_is_left_supports_its_own_weight_alone(type_):
     scene = ground(type_)
     scene.run(steps=20, progress=False)
     assert vertical(scene) == pytest.approx(-2 * 9.81 * 1.5, rel=0.01)

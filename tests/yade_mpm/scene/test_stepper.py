@@ -165,7 +165,7 @@ def test_an_engine_that_is_not_on_turn_is_refused():
     ],
 )
 def test_a_scene_that_is_not_prepared_as_it_stands_is_not_stepped(change):
-    """It went on with the chain and the groups of before; a scene never prepared took no step."""
+    """It went on with its old chain and groups; a scene that was never prepared took no step."""
     scene, told = falling(), "the scene is not prepared, or has changed since"
     with pytest.raises(RuntimeError, match=f"Stepper.advance: {told}"):
         scene.stepper.advance(1)
@@ -202,7 +202,7 @@ def test_a_callback_cannot_step_the_scene_nor_change_what_a_step_is_made_of(acti
 
 
 def test_what_a_callback_does_to_the_list_of_engines_counts_from_the_next_step():
-    """The run went on with the engines of before, and their list said something else."""
+    """The run went on with the replaced engines, and their list said something else."""
     scene = falling()
     history = mpm.History(iterPeriod=1)
     runner = mpm.PyRunner(lambda s: s.engines.append(history) if s.steps == 2 else None, iterPeriod=1)

@@ -98,7 +98,7 @@ def test_every_array_of_which_the_solver_reads_numbers_is_declared(outcomes):
 def test_another_number_of_rows_is_refused_by_name(outcomes):
     for (name, how), (rows, told) in outcomes.items():
         changes = {"empty": rows > 0, "short": rows > 0, "long": rows > 0}.get(how, False)
-        if changes and (how == "empty" or not name.endswith("blockStart")):  # other blocks: grouped anew
+        if changes and (how == "empty" or not name.endswith("blockStart")):  # other blocks: grouped again
             assert told.startswith("ValueError"), (name, how, told)
             assert any(one in told for one in ofTheSameRows(name.split("/")[-1])), (name, how, told)
 

@@ -108,7 +108,7 @@ def test_a_pit_that_is_pumped_dry_has_water_flow_in_from_below():
     assert 0 < soil.porePressure[below].mean() < 0.5 * wet
 
 
-def test_settle_warns_of_water_that_bears_the_soil():
+def test_settle_warns_of_water_that_supports_the_soil():
     scene = mpm.Scene((0, 0), (0.5, 2), 0.25, gravity=9.81)
     scene.fix("bottom")
     scene.roller("left", "right")

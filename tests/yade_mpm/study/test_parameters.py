@@ -146,7 +146,7 @@ def test_a_study_has_the_parameters_of_its_scene_and_more():
     assert more.parse([]).ramp == 0.1 and more.parse(["--ramp", "2", "--size", "0.25"]).ramp == 2
 
 
-def test_what_is_derived_is_found_anew_in_a_resumed_run(tmp_path):
+def test_what_is_derived_is_found_again_in_a_resumed_run(tmp_path):
     (tmp_path / "c.h5").touch()
     kept = {**vars(parse(resume=("count",))), "out": str(tmp_path), "area": -1}
     (tmp_path / "arguments.json").write_text(json.dumps(kept))

@@ -89,7 +89,7 @@ def test_habits_of_yade(tmp_path):
     assert said["steps left"] > 0 and said["same"]  # however it was stopped and continued
     times, description, sameId = said["frames"]
     assert times == pytest.approx(np.arange(0, 301, 50) * said["dt"], rel=1e-12)
-    # YADE's recorder at the head of the engines: its files bear the numbers of our steps.
+    # YADE's recorder at the head of the engines: its files have the numbers of our steps.
     numbers = sorted(int(re.search(r"\d+", p.name)[0]) for p in tmp_path.glob("dem-*.vtu"))
     assert numbers == [0, 50, 100, 150, 200, 250]
     assert description == "a test" and sameId
@@ -179,7 +179,7 @@ while O.running: time.sleep(0.001)
 say("background", [fails(KeyError, O.wait), O.iter, scene.steps, seen[-1], str(soil.error)])
 say("again", fails(RuntimeError, lambda: O.run(5, True)))
 scene.engines = scene.engines[:-1]
-soil = mpm.yade.attach(scene); O.run(5, True); say("mended", [scene.steps, O.iter])
+soil = mpm.yade.attach(scene); O.run(5, True); say("corrected", [scene.steps, O.iter])
 for name, stages in (("stages", True), ("chain", False)):
     O.reset(); empty(); other = hybrid(); mpm.yade.attach(other, stages=stages)
     O.run(3, True)
@@ -200,7 +200,7 @@ def test_an_error_pauses_yade_after_the_step_and_is_raised(tmp_path):
     said, message = run(ERRORS, tmp_path, code=1)
     assert said["background"] == ["'boom'", 30, 30, 29, "'boom'"]
     assert "attach it again" in said["again"]
-    assert said["mended"] == [35, 36]  # in the step of `again` the scene had no part
+    assert said["corrected"] == [35, 36]  # in the step of `again` the scene had no part
     for kind in ("stages", "chain"):  # YADE repeats the step, but no PyRunner that acted in it
         assert said["of another, " + kind] == [True, [3, 4], [8, 8], True, True]
     assert "ZeroDivisionError" in message and "the run failed at step 35" in message

@@ -189,18 +189,18 @@ say("left out", fails(RuntimeError, lambda: O.run(1, True)))
 
 @needsYade
 def test_attaching_again_keeps_the_bodies(tmp_path):
-    """With the same bits as without; also behind detach(), and where a script appends them anew."""
+    """With the same bits as without; also behind detach(), and where a script appends them again."""
     said, _ = run(
         """
 import bodies
-for how in ("once", "again", "detached", "appended", "made anew"):
+for how in ("once", "again", "detached", "appended", "made again"):
     O.reset()
     soil, contact, coupling = bodies.build(True)
     O.run(20, True)
     if how == "detached": coupling.detach()
     if how != "once": coupling = mpm.yade.attach(coupling.scene)
     if how == "appended": coupling.exchanges.append(coupling.exchanges[0])
-    if how == "made anew": coupling.exchanges.append(mpm.yade.Bodies(contact, bodies.IDS))
+    if how == "made again": coupling.exchanges.append(mpm.yade.Bodies(contact, bodies.IDS))
     O.run(60, True)
     say(how, [bodies.bits(soil), len(coupling.exchanges)])
 O.reset()
@@ -211,7 +211,7 @@ say("repr", repr(mpm.yade.Bodies(contact, bodies.IDS)))
 """,
         tmp_path,
     )
-    for how in ("again", "detached", "appended", "made anew"):
+    for how in ("again", "detached", "appended", "made again"):
         assert said[how] == said["once"], how
     assert said["once"][1] == 1 and "nobody exchanges" in said["cleared"]
     assert said["repr"] == "<Bodies: 2 bodies of YADE (0, 1), 0 contacts with the soil>"

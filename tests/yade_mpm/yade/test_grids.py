@@ -126,5 +126,5 @@ def test_a_strained_grid_goes_on_with_the_same_bits_after_o_load(grid):
     assert grid["loaded"]
 
 
-def test_nodes_are_refused_and_the_remedy_is_named(grid):
+def test_nodes_are_refused_and_what_to_do_is_named(grid):
     assert "is a GridNode" in grid["node"] and "give the GridConnections or PFacets" in grid["node"]

@@ -63,7 +63,7 @@ def test_the_smaller_step_wins(steps):
     message, iteration, taken = steps["too large"]
     assert "exceeds" not in message and "is not allowed: the critical step of 'mpm'" in message
     assert (iteration, taken) == (6, 6)  # before the first step
-    assert steps["mended"] == [7, 7, None]  # without attaching again
+    assert steps["corrected"] == [7, 7, None]  # without attaching again
 
 
 def test_dead_engines_and_a_clock_that_was_moved(steps):

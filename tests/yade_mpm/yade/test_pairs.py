@@ -84,7 +84,7 @@ def test_strength_of_each_pair_goes_by_the_rule(pairs, name):
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_laws_are_those_of_before_after_o_load(pairs, name):
+def test_laws_are_the_same_after_o_load(pairs, name):
     assert pairs[name + " loaded"]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hourglass control bears no more than a part of what the soil still bears beside its stress: cohesion, and
-the friction that is left. The load of a footing does not follow the elastic modulus. Its energy is the work
-that bringing the pattern about takes."""
+"""Hourglass control resists no more than a part of what the soil still resists beside its stress, cohesion
+and the friction that is left. The load of a footing does not follow the elastic modulus. Its energy is the
+work that bringing the pattern about takes."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_a_strong_domain_resists_in_proportion():
     assert slope(0.1, STRONG) == pytest.approx(100 * slope(0.001, STRONG), rel=1e-6)
 
 
-def test_a_weak_domain_bears_no_more_than_a_part_of_its_strength():
+def test_a_weak_domain_resists_no_more_than_a_part_of_its_strength():
     weak = slope(0.02, 5.0)
     assert slope(0.03, 5.0) == pytest.approx(weak, rel=1e-6)
     assert slope(0.02, 10.0) == pytest.approx(2 * weak, rel=1e-6)
@@ -77,7 +77,7 @@ def test_friction_that_the_shear_uses_up_is_not_there_for_patterns():
     assert energy(0.1, 5.0, shear=4.0) == pytest.approx(energy(0.1, 5.0), rel=1e-12)
 
 
-def test_soil_that_bears_nothing_leaves_its_pattern():
+def test_soil_without_strength_leaves_its_pattern():
     assert energy(0.1, 1e-9, angle=0.5) < 1e-6 * energy(0.1, STRONG)
 
 

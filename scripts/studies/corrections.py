@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The sheet pile with and without slip, a limit of dilatancy, and anti-locking: what each remedy changes.
+"""The sheet pile with and without slip, a limit of dilatancy, and anti-locking: what each correction changes.
 
-Runs the sheet pile as published, with each remedy alone, and with all of them, to two metres at twice the
+Runs the sheet pile as published, with each correction alone, and with all of them, to two metres at twice the
 default rate, and makes one table and one picture. Takes about five minutes on a quiet machine with cells of
 0.25 m, ten times that with half of them.
 
-    scripts/run remedies
-    scripts/run remedies --cell 0.125 --only published all
-    scripts/run remedies --smoke
+    scripts/run corrections
+    scripts/run corrections --cell 0.125 --only published all
+    scripts/run corrections --smoke
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
@@ -21,22 +21,22 @@ from yade_mpm import Parameter, app, plot
 from yade_mpm.io import files
 
 FRICTION, LIMIT = 0.3, 0.05
-REMEDIES = {
+CORRECTIONS = {
     "published": [],
     "friction": ["--friction", str(FRICTION)],
     "dilatancyLimit": ["--dilatancyLimit", str(LIMIT)],
     "psi = 0": ["--psi", "0"],
     "fbar": ["--fbar"],
-    "all": ["--remedies"],
-    "all, psi = 0": ["--remedies", "--psi", "0"],
+    "all": ["--corrections"],
+    "all, psi = 0": ["--corrections", "--psi", "0"],
 }
 COLUMNS = {
     "heaveArea": "heave (m²)",
     "openCavityArea": "open cavity (m²)",
     "collarThickness": "collar (m)",
     "resistanceScatter": "scatter of R (-)",
-    "stripes": "stripes (-)",
-    "stripesBelow": "stripes from 2 h below the tip (-)",
+    "checkerboard": "checkerboard (-)",
+    "checkerboardBelow": "checkerboard from 2 h below the tip (-)",
     "minJacobian": "min J (-)",
     "wallSeconds": "wall (s)",
 }
@@ -52,12 +52,12 @@ def refusal(a, given):
 
 
 PARAMETERS = mpm.Parameters(
-    "remedies",
+    "corrections",
     __doc__,
     Parameter("cell", 0.25, "size of the grid's cells", unit="m", above=0),
     Parameter("rate", 0.2, "penetration rate", unit="m/s", above=0),
     Parameter("penetration", 2.0, "of the pile", unit="m", above=0),
-    Parameter("only", list(REMEDIES), "which runs (default: all)", choices=REMEDIES, several=True),
+    Parameter("only", list(CORRECTIONS), "which runs (default: all)", choices=CORRECTIONS, several=True),
     smoke={"cell": 0.5, "rate": 1.0, "penetration": 1.0},
     check=refusal,
 )
@@ -76,7 +76,7 @@ def run(a, name):
         ramp,
         "--until",
         a.penetration / a.rate + 0.5 * ramp,
-        *REMEDIES[name],
+        *CORRECTIONS[name],
     ]
     words += ["--threads", a.threads] if a.threads else []
     words += ["--out", os.path.join(a.out, name.replace(" ", "").replace(",", "_").replace("=", ""))]
@@ -111,10 +111,10 @@ def main():
     results, scenes = {}, {}
     for name in a.only:
         results[name], scenes[name] = run(a, name)
-    files.saveJson(os.path.join(a.out, "remedies.json"), results)
-    with files.replacing(os.path.join(a.out, "remedies.md")) as part, open(part, "w") as file:
+    files.saveJson(os.path.join(a.out, "corrections.json"), results)
+    with files.replacing(os.path.join(a.out, "corrections.md")) as part, open(part, "w") as file:
         file.write(table(results) + "\n")
-    draw(a, scenes, os.path.join(a.out, "remedies.png"))
+    draw(a, scenes, os.path.join(a.out, "corrections.png"))
     print(table(results))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What slip and the limit of dilatancy change in the sheet pile (scripts/studies/remedies.py), on a coarse
+"""What slip and the limit of dilatancy change in the sheet pile (scripts/studies/corrections.py), on a coarse
 grid.
 
 With friction the soil beside the embedded metre stays where it is (no collar) and closes behind the tip;
@@ -9,9 +9,9 @@ surface hardly heaves; both lower the resistance. Control: the published model, 
 
 import argparse
 
+import corrections
 import numpy as np
 import pytest
-import remedies
 import sheet_pile
 import sheet_pile_model
 import sheet_pile_study
@@ -21,10 +21,10 @@ from yade_mpm import geotech
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     a = argparse.Namespace(
-        cell=0.5, rate=1.0, penetration=1.0, threads=1, out=str(tmp_path_factory.mktemp("remedies"))
+        cell=0.5, rate=1.0, penetration=1.0, threads=1, out=str(tmp_path_factory.mktemp("corrections"))
     )
-    runs = {name: remedies.run(a, name) for name in ("published", "friction", "all, psi = 0")}
-    remedies.draw(a, {name: scene for name, (_, scene) in runs.items()}, a.out + "/remedies.png")
+    runs = {name: corrections.run(a, name) for name in ("published", "friction", "all, psi = 0")}
+    corrections.draw(a, {name: scene for name, (_, scene) in runs.items()}, a.out + "/corrections.png")
     return {name: summary for name, (summary, _) in runs.items()}
 
 
@@ -54,7 +54,7 @@ def test_without_dilatancy_the_surface_hardly_heaves(results):
     assert results["published"]["heaveArea"] > 1.5  # control
 
 
-def test_each_remedy_lowers_the_resistance(results):
+def test_each_correction_lowers_the_resistance(results):
     published, slips, both = (
         results[name]["resistance"]["1.0"] for name in ("published", "friction", "all, psi = 0")
     )
@@ -78,7 +78,7 @@ def test_the_remedied_run_keeps_its_energy(results):
 
 
 def test_the_table_names_every_run(results):
-    lines = remedies.table(results).splitlines()
+    lines = corrections.table(results).splitlines()
     assert [line.split("|")[1].strip() for line in lines[2:]] == list(results)
 
 
@@ -98,7 +98,7 @@ def test_the_published_run_needs_no_option():
         False,
         0,
     )
-    b = words("--remedies", "--friction", "0.5", "--rate", "0.2")
+    b = words("--corrections", "--friction", "0.5", "--rate", "0.2")
     assert (b.friction, b.dilatancyLimit, b.split, b.fbar, b.tip, b.undamped, b.ramp) == (
         0.5,
         0.05,

@@ -74,11 +74,9 @@ def trusted(a):
     sand = mpm.MohrCoulombDruckerPrager(**SOIL, dilatancyLimit=0.05, closing=True)
     geotech.addGround(scene, "soil", soil, zone, sand, a.types, splitAt=1.3, fbar=True)
     column = geotech.wedgedColumn(a.width / 2, DEPTH - EMBEDDED, a.thickness, PILE_LENGTH, 90.0, a.cell / 2)
-    steel = mpm.LinearElastic(**STEEL)
-    pile = scene.add("pile", column, steel, mpm.APDI(size=a.cell / 2), implicit=True)
+    pile = scene.add("pile", column, mpm.LinearElastic(**STEEL), mpm.APDI(size=a.cell / 2), implicit=True)
     pile.isDamped = False
-    soil = [body for body in scene.bodies if body is not pile]
-    scene.contact(pile, soil, friction=0.3).constraints = "nodes"  # as the studies of this pile have it
+    scene.contact(pile, scene.bodies[:-1], friction=0.3).constraints = "nodes"  # as the studies of it have
     return press(a, scene, dt=8e-4 * min(1.0, a.cell / 0.125))
 
 
@@ -92,16 +90,11 @@ def published(a):
     return press(a, scene, dt=2e-4 * min(1.0, a.cell / 0.25))
 
 
-def restrain(scene):
-    """Gravity, walls, and local damping."""
+def press(a, scene, dt):
+    """Gravity, walls and local damping; the part of the pile above the ground is pressed down."""
     scene.gravity, scene.damping = GRAVITY, 0.05
     scene.roller("left", "right")
     scene.fix("bottom")
-
-
-def press(a, scene, dt):
-    """Initial stress; the part of the pile above the ground is pressed down."""
-    restrain(scene)
     scene.initialStress(surface=DEPTH, K0=K0)
     pressed = scene["pile"].above(DEPTH)  # what sinks below it is let go, as it was published
     scene.drive(pressed, velocity=(0, -a.rate), ramp=a.ramp, name="drive", byHeight=True)

@@ -8,8 +8,8 @@ its own weight. Both sides of the wall resist alpha su, the tip N su and the ove
     F = alpha su (As outside + As inside) + (9 su + gamma z) A of the wall
 
 (Houlsby & Byrne 2005, Proc. ICE Geotech. Eng. 158, 2, for caissons). When the friction inside is more than
-the whole base resists, 2 alpha h/r > 9 (h: length of the soil inside, r: inner radius), the plug goes down with
-the tube, which then resists as a closed pile: N = 9 on the whole base (Skempton 1951). The walls are
+the whole base resists, 2 alpha h/r > 9 (h: length of the soil inside, r: inner radius), the plug goes down
+with the tube, which then resists as a closed pile: N = 9 on the whole base (Skempton 1951). The walls are
 thicker than real ones, four cells: with two, a smooth wall of R/4 resists 23 % more. Suction is not in the
 scene: the tube is pushed.
 

@@ -36,7 +36,6 @@ from yade_mpm import app
 
 here = os.path.dirname(os.path.abspath(sys.argv[0]))
 sys.path[:0] = [here, os.path.join(here, "studies")]  # yade-batch does not know them
-import sheet_pile  # noqa: E402
 import sheet_pile_model  # noqa: E402
 import yade_pile_options as options  # noqa: E402
 from sheet_pile import DEPTH, EMBEDDED, GRAVITY, K0, PILE_LENGTH, WIDTH  # noqa: E402
@@ -57,7 +56,9 @@ def arguments():
 def soil(a):
     """The ground of the sheet pile scene with the shaft left empty."""
     scene, _ = sheet_pile_model.ground(options.bonded(a))
-    sheet_pile.restrain(scene)
+    scene.gravity, scene.damping = GRAVITY, 0.05
+    scene.roller("left", "right")
+    scene.fix("bottom")
     scene.initialStress(surface=DEPTH, K0=K0)
     scene.dt = a.dt
     return scene

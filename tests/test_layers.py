@@ -131,7 +131,7 @@ GIVEN = {"_core", "__version__"}  # by the package to all rooms, before it impor
 
 
 def packageSources():
-    """Dict name -> text of the modules of the package, e.g. "scene/run.py"."""
+    """Dict name -> text of the modules of the package, e.g. "scene/loop.py"."""
     package = ROOT / "py" / "yade_mpm"
     return {str(p.relative_to(package)): p.read_text() for p in package.rglob("*.py")}
 

@@ -7,7 +7,7 @@ import signal
 import threading
 import time
 
-from .run import ENDING, Run, catchSignals
+from .loop import ENDING, Run, catchSignals
 
 LOOK = 1.0  # s between looks whether a run in the background is over, besides being told
 PATIENCE = 2  # times that Ctrl-C is pressed before a run that does not end is given up

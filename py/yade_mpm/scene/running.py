@@ -15,8 +15,8 @@ from ..base.wording import shown
 from ..io import owners
 from ..io.files import checkWritable
 from .background import BackgroundRun
+from .loop import Run
 from .policy import LoopPolicy
-from .run import Run
 from .saving import refuseResults
 
 

@@ -15,7 +15,7 @@ from ..base.kinds import COUNT, POSITIVE, SHARE
 from ..base.warn import warnUser
 from ..engine.poreWater import waterOf
 from ..engine.prescribed import MotionTable, Steering
-from .run import NotedSignals
+from .loop import NotedSignals
 
 TELL_EVERY = 30.0  # s of wall time between lines about how far it has come
 STUCK = 50  # looks without a smaller out-of-balance force after which it may be there to stay

@@ -37,7 +37,7 @@ class Guarded:
 
     _elsewhere = {}  # name that users look for here -> what to do instead
     _instead = "make another one"  # of a copy
-    _renamed = {}  # names that were others: old -> new
+    _renamed = {}  # old names of attributes: old -> new
 
     def __reduce__(self):
         kind = type(self).__name__
@@ -83,11 +83,11 @@ class Attributed:
     """
 
     _make = None  # name -> C++ object
-    _found = ()  # parameters that a run counts on: only a checkpoint sets them
+    _found = ()  # sums that a run continues: only a checkpoint sets them
     _coreName = None
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
-    _renamed = {}  # names that were others: old -> new
+    _renamed = {}  # old names of attributes: old -> new
     _hooks = ("restoreState", "state")  # what engines and types offer to the scene, not to users
 
     def __init_subclass__(cls, **options):

@@ -248,7 +248,7 @@ def rateSensitivity(x, result, xOther, resultOther):
     common = (x >= np.min(xOther, initial=np.inf)) & (x <= np.max(xOther, initial=-np.inf))
     if common.sum() < 2:
         raise ValueError(
-            "rateSensitivity: the two runs have no stretch in common; let the other one go as far"
+            "rateSensitivity: the two runs share no range of displacement; run the other one as far"
         )
     difference = np.interp(x[common], xOther, resultOther) - result[common]
     return float(np.abs(difference).mean() / np.abs(result[common]).mean())

@@ -14,7 +14,7 @@ from .primitives import Primitive
 from .region import _TOLERANCE, Region
 from .triangleFiles import readTriangles
 
-ASIDE = 0.9, 0.7, 0.5  # tolerances by which points are asked aside: those of a face belong to one side
+ASIDE = 0.9, 0.7, 0.5  # tolerances; a point on a face belongs where points so far beside it lie
 SAME_POINT = 1e-7  # of the size: corners of single precision that are one
 
 

@@ -191,7 +191,7 @@ def _fromTriangles(file, spacing, unit):
 
 
 def _part(file, heights, step, origin, lower, upper):
-    """The heights between two corners, with some beyond, and the origin of these."""
+    """Heights between two corners with a margin around them, and the origin of these."""
     first, last = np.zeros(2, int), np.array(heights.shape) - 1
     if lower is not None:
         first = np.clip(np.floor((np.asarray(lower) - origin) / step).astype(int) - MARGIN, 0, last)

@@ -224,7 +224,7 @@ class ResultFrame(Mapping):
 
 
 class _Fields:
-    """The fields of a frame by name, for a picture; those that are nan everywhere are none."""
+    """The fields of a frame by name, for a picture; fields that are nan everywhere are left out."""
 
     def __init__(self, frame):
         self.frame, self.units = frame, frame.units

@@ -168,7 +168,7 @@ def drive(
         if len(rows) > 1 and rows[-1, 0] <= scene.time:
             warnUser(
                 f"drive: the table of '{motion.name}' ends at {rows[-1, 0]:g} s, and the scene's time is "
-                f"{scene.time:.4g} s: its last row counts; give times from scene.time on"
+                f"{scene.time:.4g} s: its last row holds; give times from scene.time on"
             )
         scene.engines.insert(0, table)
     scene._asked.add(solver)

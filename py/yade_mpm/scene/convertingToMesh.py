@@ -47,7 +47,9 @@ def _places(scene, body, numbers, who):
     isCut = (body.id[numbers] >= len(made)) | (np.abs(body.initialVolume[numbers] / whole - 1) > ROUND_OFF)
     if isCut.any():
         at = placeText(body.position[numbers[np.argmax(isCut)]])
-        raise ValueError(f"{who}: the particle at {at} was cut in two; convert a region without such ones")
+        raise ValueError(
+            f"{who}: the particle at {at} was cut in two; convert a region without cut particles"
+        )
     return np.rint((made[body.id[numbers]] - scene.lower) / (2 * body.halfSize) - 0.5).astype(int)
 
 

@@ -31,7 +31,7 @@ class Run:
         time.
     """
 
-    tellsErrors = False  # in the message about the checkpoint: a traceback tells them
+    tellsErrors = False  # in the message about the checkpoint: the traceback shows them
 
     def __init__(self, scene, until, steps, progress, checkpointFile, checkpointPeriod):
         self.scene, self.until = scene, until

@@ -179,15 +179,15 @@ def _comeToRest(scene, damping, tolerance, maxSteps, checkEvery, progress, maxTi
         if since > 0 and since % STUCK == 0 and _isNoise(_toCome(anchor, look)[1], changes, stressTolerance):
             warnUser(
                 f"settle: ends out of balance by {force:.2g} of the mean force, with {_percent(toCome)} of "
-                f"the stress still to change (tolerance {tolerance:g}): neither falls any more, stresses "
-                f"waver by {_percent(max(changes))}, and {since * checkEvery} steps changed them by no more"
+                f"the stress still to change (tolerance {tolerance:g}): neither falls any more. Stresses "
+                f"vary by {_percent(max(changes))}; {since * checkEvery} more steps changed them by no more"
             )
             break
     return taken
 
 
 def _isNoise(long, short, tolerance):
-    """Whether a long time changed the stress no more than short ones do: it wavers without going anywhere."""
+    """Whether a long time changes the stress no more than short ones do: it varies about a mean."""
     return long <= max(tolerance, NO_DRIFT * np.median(short)) and long <= MOST_NOISE
 
 

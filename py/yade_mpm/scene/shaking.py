@@ -49,7 +49,7 @@ def tie(scene, *sides: str):
     refuseTaken(scene, "tie", sides)
     if waterOf(scene):
         raise ValueError(
-            "tie: the ground has pore water, which tied sides do not carry on; leave out one of the two"
+            "tie: the ground has pore water, whose flow tied sides do not pass on; leave out one of the two"
         )
     ends = np.tile(0.5 * (scene.lower + scene.upper), (2, 1))
     ends[:, axis] = scene.lower[axis], scene.upper[axis]
@@ -134,8 +134,8 @@ def _made(scene, side, motion, times, behind):
     soil = _stiffness(near)
     if len({body.material.density for body in near}) != 1 or any(body.inertiaScale != 1 for body in near):
         raise ValueError(
-            f"viscous: what is at the side '{side}' ({', '.join(body.name for body in near) or 'none'}) has "
-            "not one density, or an inertiaScale; give the side one soil"
+            f"viscous: the bodies at the side '{side}' ({', '.join(body.name for body in near) or 'none'}) "
+            "differ in density or have an inertiaScale; give the side one soil"
         )
     rock = soil if behind is None else behind
     if rock is None:

@@ -101,7 +101,7 @@ class TimeStep:
                 good = limits.DT_STABLE["USL"] * scene.dtStable
                 warnUser(
                     f"Scene: dt = {given:.3g} s is {given / scene.dtStable:.2g} of the longest stable step; "
-                    "beside an implicit body bonded to others that falls to half where soil pokes over "
+                    "beside an implicit body bonded to others this step falls to half where soil crosses "
                     f"a line of the grid: give {good:.3g} s, or leave dt out"
                 )
             self.dt = given
@@ -112,8 +112,9 @@ class TimeStep:
         fast = self.speedDt()
         if self.dt > 2 * fast:
             warnUser(
-                f"Scene: with dt = {self.dt:.3g} s something moves {limits.DT_CELLS * self.dt / fast:.2g} "
-                f"of a cell in a step, and impacts make energy; give at most {fast:.3g} s, or leave dt out"
+                f"Scene: with dt = {self.dt:.3g} s the fastest particle or motion crosses "
+                f"{limits.DT_CELLS * self.dt / fast:.2g} of a cell in a step, and impacts gain energy; give at "
+                f"most {fast:.3g} s, or leave dt out"
             )
 
     def _leftOut(self):
@@ -160,7 +161,7 @@ class TimeStep:
         return max([1.0, *(growth for bulk, shear, _ in self._ratios() for growth in (bulk, shear))])
 
     def refining(self):
-        """What the number of particles has grown by since the last estimate, where most; 1 at least."""
+        """Largest factor, at least 1, by which a body has gained particles since the last estimate."""
         return max([1.0, *(count for _, _, count in self._ratios())])
 
     def growthLimits(self):
@@ -170,7 +171,7 @@ class TimeStep:
         blend = _blend(scene)
         for body in scene.bodies:
             if not scene.dtCritical or body.name not in self._estimatedStiffness:
-                found.append((math.inf, math.inf, math.inf))  # nothing to go by
+                found.append((math.inf, math.inf, math.inf))  # no estimate yet
                 continue
             bulk, shear, count = self._estimatedStiffness[body.name]
             scale = share * body.inertiaScale / blend

@@ -34,7 +34,7 @@ class Timing(dict):
     def since(self, earlier: Timing) -> Timing:
         """What has come since an earlier call of `scene.timing`. A first step sorts all particles."""
 
-        def less(now, before):  # an engine may have come since
+        def less(now, before):  # an engine may have been added between the two
             return {n: tuple(np.subtract(now[n], before.get(n, 0)).tolist()) for n in now}
 
         return Timing(less(self, earlier), less(self.threads, earlier.threads))

@@ -49,7 +49,7 @@ def _soils(scene, given):
 
 
 def checkNamed(scene, bodies):
-    """ValueError for a body of the scene that touches bodies of YADE and that no call has named."""
+    """Raises ValueError where a body of the scene touches bodies of YADE and no call has named it."""
     if getattr(bodies, "named", None) is None:  # exchanges of a user, too
         return
     for body in scene.bodies:

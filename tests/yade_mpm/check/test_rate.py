@@ -23,7 +23,7 @@ def test_twice_the_rate_shows_what_the_rate_itself_does():
         found = mpm.rateSensitivity(x, static(x) * (1 + slow), other, twice)
         assert found == pytest.approx(factor * slow / (1 + slow), rel=1e-12)
     assert mpm.rateSensitivity(x, static(x), other, static(other)) < 1e-14
-    with pytest.raises(ValueError, match="no stretch in common; let the other one go as far"):
+    with pytest.raises(ValueError, match="share no range of displacement; run the other one as far"):
         mpm.rateSensitivity(x, static(x), other + 5, static(other))
 
 

@@ -4,8 +4,8 @@
 Set-up: scripts/tbar.py's clay in a closed box of 4 diameters with a smooth bar, 6 cells in the diameter, that
 swings by half a diameter to each side. Strength (Einav & Randolph 2005): su (d + (1 - d) exp(-3 xi/xi95)),
 d = 0.3, xi95 = 10. Reference: the law's own work, its integral over the plastic shear strain of each particle
-in each cycle; Randolph & Houlsby's factor without softening. Tolerance: 5 % of the work of three cycles (3.0 %
-found); of one cycle 8 %, for round-off moves the third one by 2 % (2.9 to 5.3 % found).
+in each cycle; Randolph & Houlsby's factor without softening. Tolerance: 5 % of the work of three cycles
+(3.0 % found); of one cycle 8 %, for round-off moves the third one by 2 % (2.9 to 5.3 % found).
 Controls: the third cycle takes less than half of the first one without softening, and more than d; without
 softening the work of two cycles is alike.
 """

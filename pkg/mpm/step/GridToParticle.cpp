@@ -4,7 +4,6 @@
 // (2D, Mohr-Coulomb, 20000 particles, one thread), and gave the same bits.
 #include "mpm/step/GridToParticle.hpp"
 
-#include "mpm/step/BesideWalls.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/GridSolver.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
@@ -54,7 +53,6 @@ template <int Dim> void reflectMotion(Scene<Dim>& scene) {
 
 template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     using Straining = typename NodalField<Dim>::Straining;
-    BesideWalls<Dim>(scene).brake();
     scene.parted.tellMotion(scene);
     if (scene.grid.fields.front().straining == Straining::velocity) scene.parted.tellVelocity(scene);
     reflectMotion(scene);

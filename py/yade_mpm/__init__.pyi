@@ -115,6 +115,9 @@ class BeamSection(Material):
     thickness: float | None
     GA: float | None
     limitMoment: float | None
+    poisson: float
+    EIWidth: float | None
+    EAWidth: float | None
     def __init__(
         self,
         *,
@@ -124,6 +127,9 @@ class BeamSection(Material):
         thickness: float | None = None,
         GA: float | None = None,
         limitMoment: float | None = None,
+        poisson: float = 0.0,
+        EIWidth: float | None = None,
+        EAWidth: float | None = None,
     ) -> None: ...
 
 

@@ -294,7 +294,7 @@ def quarterFooting(cells, strength=10.0, speed=0.02):
 @pytest.mark.verifies(
     "Circular footing on clay, a quarter in space, 6 cells: load", reference="Cox et al. 1961", tolerance=0.05
 )
-def test_a_quarter_in_space_bears_the_load_of_a_circle(verified):
+def test_a_quarter_in_space_resists_as_a_circle(verified):
     """3 to 8 cells per radius: 5.74, 5.67, 5.83, 5.85, 5.92, 5.94. Control: coarse cells carry less."""
     found = quarterFooting(6)
     verified(found, 6.05)

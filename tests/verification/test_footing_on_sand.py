@@ -90,7 +90,7 @@ def test_eight_cells_carry_more_where_friction_is_low(verified):
 @pytest.mark.verifies(
     "Rough circle on sand, 30 degrees, mesh: N_gamma", reference="Martin 2004", tolerance=0.05
 )
-def test_a_mesh_of_sand_bears_a_circular_footing(verified):
+def test_a_mesh_of_sand_resists_a_circular_footing(verified):
     verified(factor(footing(30, mesh, isRound=True)[1], 4e-4, isRound=True), CIRCLE[30])
 
 

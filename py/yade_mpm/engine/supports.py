@@ -57,7 +57,8 @@ start of a step: a stiffness that the nodes cannot follow ends the run at once, 
             _attach(self, "Spring", *to, width, other=True)
             if to[0].scene is not body.scene:
                 raise ValueError(
-                    f"Spring: '{to[0].name}' is in another scene than '{body.name}'; give a body of that scene"
+                    f"Spring: '{to[0].name}' is in another scene than '{body.name}'; "
+                    "give a body of that scene"
                 )
         else:
             self._core.set("to", _point("Spring", "to", to, body.scene.dim))

@@ -11,7 +11,7 @@ ON_AXIS = 1e-9  # of the width of the grid: as near to the axis it begins there
 
 
 def check(axisymmetric, lower, upper):
-    """Refuses other values than True and False; a grid that begins at the axis within round-off begins there."""
+    """Refuses other values than True and False; a grid that begins near the axis begins there."""
     if not isinstance(axisymmetric, (bool, np.bool_)):
         raise TypeError(f"Scene: axisymmetric = {shown(axisymmetric)}; give True or False")
     if axisymmetric and 0 < abs(lower[0]) < ON_AXIS * abs(upper[0]):

@@ -113,8 +113,8 @@ class TimeStep:
         if self.dt > 2 * fast:
             warnUser(
                 f"Scene: with dt = {self.dt:.3g} s the fastest particle or motion crosses "
-                f"{limits.DT_CELLS * self.dt / fast:.2g} of a cell in a step, and impacts gain energy; give at "
-                f"most {fast:.3g} s, or leave dt out"
+                f"{limits.DT_CELLS * self.dt / fast:.2g} of a cell in a step, and impacts gain energy; "
+                f"give at most {fast:.3g} s, or leave dt out"
             )
 
     def _leftOut(self):

@@ -59,7 +59,7 @@ def rattled(scheme, start=(-0.15, 0), **law):
 @pytest.mark.parametrize("slip", [True, False])
 def test_a_block_in_a_notch_gains_no_energy(slip, impactLoss):
     """With impactLoss=0 it ends with 0.24 of its energy. Where surfaces that press may part while they
-    strain, it makes 527 times that; where surfaces that bear nothing strain without slip, 8 times that, and
+    strain, it makes 527 times that; where surfaces without force strain without slip, 8 times that, and
     235 at another start."""
     kinetic = rattled("MUSL", friction=0.3, slip=slip, impactLoss=impactLoss)
     assert kinetic.max() < 1 and 0 < kinetic[-5:].max() < 0.3

@@ -269,9 +269,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
-        // Under USF tie() has used them.
-        for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J = {};
-        for (size_t i = pair.firstNode; i < pair.endNode; ++i) search.nodes[i].J = {};
         FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
         law.mayBeThree = mayBeThree;
         unsettled +=
@@ -352,22 +349,16 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             }
         }
         // Only what has stuck strains as one: a stop along a surface that bears nothing would do no work, and the force
-        // behind it would. Under USF nothing is known of it yet. Nor of what has pressed: what particles take of the
-        // approach (impactLoss) they have taken, and the rest of it is noise, of which not only the parting may strain.
+        // behind it would. Under USF nothing is known of it yet.
         const bool isSolved = state.solved == scene.step;
-        const double part = isSolved || !separation ? 1 : 1 - impactLoss;
-        if (part == 0) continue;
         state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>& site) {
             return FrictionLaw{0, 0, isSolved ? !site.sticks : slip, separation, impactLoss};
         });
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const ContactNode<Dim>& contact = search.nodes[i];
             for (int side = 0; side < 2; ++side)
-                for (int k = 0; k < Dim; ++k) {
-                    NF& field = scene.grid.fields[contact.field[side]];
-                    const double tied = nodes[i].v[side][k], own = field.velocityOf(contact.node, k);
-                    field.setVelocity(contact.node, k, part == 1 ? tied : own + part * (tied - own));
-                }
+                for (int k = 0; k < Dim; ++k)
+                    scene.grid.fields[contact.field[side]].setVelocity(contact.node, k, nodes[i].v[side][k]);
             if (scene.scheme->remapsSolution() && contact.acts) record<Dim>(scene, contact, nodes[i]);
         }
     }

@@ -295,7 +295,7 @@ def test_a_function_gives_the_motion_along_x_or_along_all_axes():
     ("there is 'tied left' already", lambda: tied("left", "right").tie("left", "right")),
     ("cells at the sides are 1 and 2 m wide", gradedAndTied),
     ("no side 'botom'; ... did you mean 'bottom'", lambda: layer()[0].viscous("botom")),
-    ("what is at the side 'bottom' (none) has ... one density", noGround),
+    ("the bodies at the side 'bottom' (none) differ in density", noGround),
     ("is viscous already", lambda: [s := layer()[0], s.viscous("bottom"), s.viscous("bottom")]),
     ("fix: the side 'bottom' is viscous", lambda: [s := layer()[0], s.viscous("bottom"), s.fix("bottom")]),
     ("behind = 3", lambda: layer()[0].viscous("bottom", behind=3), TypeError),

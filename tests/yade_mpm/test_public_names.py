@@ -33,6 +33,10 @@ def test_the_rooms_of_every_scene_are_there_at_once():
     assert done.stdout == "False\n", done.stderr
 
 
+def test_the_old_room_of_yade_has_its_names():
+    assert mpm.inYade.Bodies is mpm.yade.Bodies and mpm.inYade.attach is mpm.yade.attach
+
+
 def test_an_unknown_name_is_refused():
     for room in (mpm, mpm.study, mpm.engine):
         with pytest.raises(AttributeError, match="nothing"):

@@ -10,7 +10,22 @@ from ..base.kinds import FILE, FINITE, TEXT, requireFile, takes
 from ..base.wording import didYouMean, shown
 
 DOWN, UP = ("depth", "z"), ("height", "elevation", "level")
-UNITS = {"kPa": 1.0, "MPa": 1e3, "Pa": 1e-3, "bar": 100.0, "m": 1.0, "cm": 0.01, "mm": 1e-3}  # in kPa, m
+LENGTHS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 1e-3}  # m
+UNITS = {
+    "": 1.0,
+    "-": 1.0,
+    "kpa": 1.0,
+    "kn/m2": 1.0,
+    "pa": 1e-3,
+    "bar": 100.0,
+    "atm": 101.325,
+    "mpa": 1e3,
+    "mn/m2": 1e3,
+    "n/mm2": 1e3,
+    "gpa": 1e6,
+    "deg": np.pi / 180,
+    "rad": 1.0,
+}  # kPa; radians
 
 
 @takes(file=FILE, column=TEXT)
@@ -30,19 +45,17 @@ def readProfile(file, column, top=None):
     Parameters
     ----------
     file : path of a CSV file with a heading; cells are separated by commas, semicolons or tabs.
-    column : name of the column, without its unit. MPa, Pa and bar are converted to kPa, cm and mm to m.
+    column : name of the column, without its unit. Stresses (Pa, kPa, MPa, GPa, kN/m2, MN/m2, N/mm2, bar, atm)
+        are converted to kPa, degrees (deg) to radians, depths (cm, mm) to m. Without a unit: kPa, m.
     top : m, height of the ground; required where the file has depths (`depth` or `z`) and no heights
         (`height`, `elevation` or `level`).
 
-    Rows without a number in the column are left out. Returns an array (N, 2), height (m) and value, upwards.
-    Raises ValueError, with the row, for what is not allowed.
+    Rows whose cell in the column is empty are left out. Returns an array (N, 2), height (m) and value,
+    upwards. Raises ValueError, with the row, for what is not allowed: other units, negative depths, two
+    columns of the name, a file that is no text in UTF-8.
     """
-    with open(requireFile("readProfile", file), newline="", encoding="utf-8-sig") as opened:
-        text = opened.read()
-    first = text.partition("\n")[0]
-    between = next((sign for sign in ("\t", ";") if sign in first), ",")
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=between, skipinitialspace=True) if row]
-    heads = [_head(cell) for cell in rows[0]] if rows else []
+    rows = _rows(file)
+    heads = [_head(cell) for cell in rows[0][1]] if rows else []
     names = {name.lower(): k for k, (name, _) in enumerate(heads)}
     where = next((name for name in (*UP, *DOWN) if name in names), None)
     if where is None:
@@ -58,8 +71,13 @@ def readProfile(file, column, top=None):
             )
         FINITE.check("readProfile", "m", top=top)
     numbers = [names[where], names[column.lower()]]
-    found = [_numbers(file, number, row, numbers) for number, row in enumerate(rows[1:], 2)]
-    factors = [UNITS.get(heads[k][1], 1.0) for k in numbers]
+    for k in numbers:
+        if [name.lower() for name, _ in heads].count(heads[k][0].lower()) > 1:
+            raise ValueError(
+                f"readProfile: {shown(str(file))} has two columns {shown(heads[k][0])}; give one"
+            )
+    factors = [_factor(file, heads[k], units) for k, units in zip(numbers, (LENGTHS, UNITS))]
+    found = [_numbers(file, number, row, numbers, where in DOWN) for number, row in rows[1:]]
     found = np.array([pair for pair in found if pair is not None], float).reshape(-1, 2) * factors
     if where in DOWN:
         found[:, 0] = top - found[:, 0]
@@ -73,16 +91,44 @@ def readProfile(file, column, top=None):
     return found
 
 
+def _rows(file):
+    """Number and cells of each row that is not blank."""
+    path = requireFile("readProfile", file)
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as opened:
+            first = opened.readline()
+            opened.seek(0)
+            between = next((sign for sign in ("\t", ";") if sign in first), ",")
+            reader = csv.reader(opened, delimiter=between, skipinitialspace=True)
+            return [(reader.line_num, row) for row in reader if any(row)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(
+            f"readProfile: {shown(str(file))} is no table of text ({error}); save it as CSV in UTF-8"
+        ) from None
+
+
+def _factor(file, head, units):
+    """By which a column is multiplied for kPa, m or radians."""
+    name, unit = head
+    if unit.lower().replace("²", "2") not in units:
+        allowed = ", ".join(known for known in units if known)
+        raise ValueError(
+            f"readProfile: column {shown(name)} of {shown(str(file))} has the unit {shown(unit)}, which is "
+            f"not known; give one of {allowed}, in small or capital letters"
+        )
+    return units[unit.lower().replace("²", "2")]
+
+
 def _head(cell):
     """Name and unit of a column."""
     name, unit = re.fullmatch(r"\s*(.*?)\s*(?:[(\[]([^)\]]*)[)\]])?\s*", cell).groups()
     return name, (unit or "").strip()
 
 
-def _numbers(file, number, row, columns):
-    """Depth and value of a row; None where the value is empty."""
+def _numbers(file, number, row, columns, isDepth):
+    """Depth or height, and value of a row; None where the value is empty."""
     cells = [row[k].strip() if k < len(row) else "" for k in columns]
-    if not all(cells):
+    if not cells[1]:
         return None
     try:
         pair = [float(cell) for cell in cells]
@@ -90,4 +136,9 @@ def _numbers(file, number, row, columns):
         pair = [np.nan]
     if not np.isfinite(pair).all():
         raise ValueError(f"readProfile: row {number} of {shown(str(file))}: {shown(cells)} are no numbers")
+    if isDepth and pair[0] < 0:
+        raise ValueError(
+            f"readProfile: row {number} of {shown(str(file))} has the depth {pair[0]:g}; depths count "
+            "downwards, so give positive ones, or name the column 'height'"
+        )
     return pair

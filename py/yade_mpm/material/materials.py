@@ -165,6 +165,7 @@ def rebuilt(cls, attributes):
 
 classes = makeClasses(_core.materialNames(), _core.makeMaterial, Material)
 classes.update(lawsFromElsewhere(classes))
+classes["BeamSection"]._fixed = None  # all: the elements are built
 __getattr__ = classAttribute(classes)
 
 

@@ -162,7 +162,9 @@ def _curves(scene):
 
 def _atRest(scene):
     """Whether the stages end at rest."""
-    parts = {row["name"]: row["values"].get("unbalanced", np.nan) for row in scene.stages}
+    parts = {
+        row["name"]: row["values"]["unbalanced"] for row in scene.stages if "unbalanced" in row["values"]
+    }
     if not parts:
         return ""
     moving = [f"'{name}' {100 * part:.2g} %" for name, part in parts.items() if not part < REST]
@@ -170,8 +172,9 @@ def _atRest(scene):
         return paragraph(
             f"NOT at rest at the end, unbalanced forces above {100 * REST:g} %: {', '.join(moving)}."
         )
+    which = "Every stage ends" if len(parts) == len(scene.stages) else "Stages end"
     return paragraph(
-        f"Every stage ends at rest: unbalanced forces of at most {100 * max(parts.values()):.2g} % (limit "
+        f"{which} at rest: unbalanced forces of at most {100 * max(parts.values()):.2g} % (limit "
         f"{100 * REST:g} %). What follows is about the way there, on which sudden stages, such as a dig, are "
         "dynamic."
     )

@@ -20,3 +20,6 @@ from .display import Display
 from .loop import act
 from .output import checkpointOf
 from .plane import Plane
+
+for _name in ("attach", "Bodies", "Display", "Plane", "act", "checkpointOf", "setCommand"):
+    setattr(inYade, _name, globals()[_name])  # mpm.inYade was the name of this room

@@ -33,6 +33,13 @@ def scene(threads=1, solid=False, **section):
     return made
 
 
+@pytest.mark.parametrize("name", ["EI", "poisson", "limitMoment"])
+def test_the_section_stands_once_the_elements_are_built(name):
+    wall = scene()["wall"]
+    with pytest.raises(ValueError, match=f"{name} = .* cannot change any more"):
+        setattr(wall.material, name, 0.2)
+
+
 def test_soil_presses_on_a_beam_as_on_a_solid_of_the_same_stiffness():
     thrust = []
     for solid in (False, True):

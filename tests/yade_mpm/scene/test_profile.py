@@ -29,6 +29,12 @@ def test_depths_become_heights_and_units_are_converted(tmp_path):
     assert sleeve == pytest.approx(np.array([[0, 8], [3, 5], [3.5, 4], [4, 3]]))
 
 
+@pytest.mark.parametrize("unit, factor", [("MPA", 1e3), ("MN/m²", 1e3), ("kN/m2", 1), ("", 1), ("-", 1)])
+def test_units_in_other_spellings(tmp_path, unit, factor):
+    found = mpm.geotech.readProfile(written(tmp_path, CPT.replace("MPa", unit)), "qt", top=4.0)
+    assert found[:, 1] == pytest.approx(factor * np.array([1.2, 0.4, 0.2]))
+
+
 @pytest.mark.parametrize("sign", [";", "\t"])
 def test_heights_and_other_signs_between_cells(tmp_path, sign):
     text = "level (m),qt\n8,100\n2,400\n".replace(",", sign)
@@ -56,6 +62,11 @@ def test_strength_k0_and_ocr_follow_it(tmp_path):
     assert ratio == pytest.approx((1 - np.sin(0.5)) * (1 + ground.position[:, 1]) ** np.sin(0.5))
 
 
+def notText(tmp_path):
+    (tmp_path / "cpt.csv").write_bytes("depth (m), qt (MPa)\n0, 1 é\n".encode("latin-1"))
+    return mpm.geotech.readProfile(tmp_path / "cpt.csv", "qt", 4.0)
+
+
 def changed(old, new, column="qt", top=4.0):
     def make(tmp_path):
         return mpm.geotech.readProfile(written(tmp_path, CPT.replace(old, new)), column, top)
@@ -70,6 +81,12 @@ def changed(old, new, column="qt", top=4.0):
     ("readProfile: top = nan", changed("", "", top=np.nan)),
     ("row 2 of ... '0,4' ... no numbers", changed("0.4", '"0,4"')),
     ("a depth twice", changed("4.0, 1.2", "0.0, 1.2")),
+    ("column 'qt' ... has the unit 'tsf' ... give one of -, kpa", changed("MPa", "tsf")),
+    ("column 'Depth' ... has the unit 'ft' ... give one of m, cm, mm", changed("Depth [m]", "Depth [ft]")),
+    ("row 2 ... has the depth -0.5; depths count downwards", changed("0.5, 0.4", "-0.5, 0.4")),
+    ("has two columns 'qt'", changed("fs (kPa)", "qt (kPa)")),
+    ("row 5 of ... no numbers", changed("1.0, ,", " , 0.3,")),
+    ("no table of text", lambda tmp_path: notText(tmp_path)),
     ("fewer than two rows", changed("0.5, 0.4, 4\n0.0, 0.2, 3\n", "")),
     ("readProfile: column", changed("", "", column=3), TypeError),
     ("K0 ... of 'clay' ... pairs (height, number)", lambda _: twiceAtOneHeight()),

@@ -64,6 +64,16 @@ def test_the_verdict_tells_whether_stages_end_at_rest(tmp_path, time, isAtRest):
     assert ("NOT at rest at the end, unbalanced forces above 5 %: &#x27;gravity&#x27;" in text) != isAtRest
 
 
+def test_a_stage_without_forces_is_not_called_moving(tmp_path):
+    scene = mpm.Scene((0, 0), (1, 1.5), 0.25, threads=1)
+    scene.add("ground", box((0, 0), (1, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3))
+    with scene.stage("nothing"):
+        pass
+    assert "unbalanced" not in scene.stages[0]["values"]
+    scene.report(tmp_path / "a.html")
+    assert "at rest" not in (tmp_path / "a.html").read_text()
+
+
 def test_one_picture_shows_several_stages(tmp_path):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     steel = mpm.LinearElastic(density=1.0, young=1e4, poisson=0.0)

@@ -111,5 +111,5 @@ def test_the_step_follows_an_impact_that_stiffens_the_law():
 def test_a_step_that_is_given_and_far_too_long_is_warned_of():
     scene, _ = flying()
     scene.dt = 0.012
-    with pytest.warns(UserWarning, match=r"moves 0.48 of a cell in a step.*give at most 0.005 s"):
+    with pytest.warns(UserWarning, match=r"crosses 0.48 of a cell in a step.*give at most 0.005 s"):
         scene.prepare()

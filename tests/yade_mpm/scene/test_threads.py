@@ -9,7 +9,7 @@ import yade_mpm as mpm
 from processes import runPython
 from setups import chain
 from yade_mpm import box
-from yade_mpm.scene import pace, run
+from yade_mpm.scene import loop, pace
 
 THREADS = (1, 2, 3, 8, 16)
 
@@ -162,7 +162,7 @@ def test_a_run_that_changes_its_number_of_threads_gives_the_same_bits(monkeypatc
     plain.run(steps=60, progress=False)
     for name, value in dict(FIRST=0.0, LATER=0.0, TRIAL=0.0, GAIN=2.0).items():
         monkeypatch.setattr(pace, name, value)
-    monkeypatch.setattr(run, "SLICE", 0.0)
+    monkeypatch.setattr(loop, "SLICE", 0.0)
     monkeypatch.setattr(
         mpm.Scene, "threads", property(lambda scene: scene._threads or 3, mpm.Scene.threads.fset)
     )

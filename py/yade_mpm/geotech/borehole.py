@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Level layers of ground, their laws and their stress, from the table of a borehole."""
 
-import csv
-import re
 from math import radians
 
-from ..base.kinds import FILE, REGION, SCENE, Kind, requireFile, takes
+from ..base.kinds import FILE, REGION, SCENE, Kind, takes
 from ..base.wording import didYouMean, shown
 from ..geometry.numbers import isNumber
 from ..geometry.regions import box
 from ..material.materials import classes
 from ..particle.types import UGIMP
+from .tables import nameAndUnit, readRows
 
 OWN = ("name", "bottom", "law", "K0", "OCR")
 DEFAULT = "MohrCoulomb"
@@ -72,18 +71,18 @@ def _rows(log):
     if isinstance(log, (list, tuple)):
         given = log
     else:
-        with open(requireFile("addLayers", log), newline="") as file:
-            given = [_numbers(row) for row in csv.DictReader(file, skipinitialspace=True)]
+        head, *rows = [cells for _, cells in readRows("addLayers", log)] or [[]]
+        given = [_numbers(head, cells) for cells in rows]
     if not (given and all(isinstance(row, dict) for row in given)):
         raise ValueError(f"addLayers: log = {shown(log)} has no layer; give a CSV file, or dicts")
     return [_plain(row) for row in given]
 
 
-def _numbers(row):
-    if None in row or None in row.values():
-        raise ValueError(f"addLayers: {shown(row)} has more or fewer cells than the heading")
+def _numbers(head, cells):
+    if len(cells) != len(head):
+        raise ValueError(f"addLayers: {shown(cells)} has more or fewer cells than the heading")
     found = {}
-    for key, text in row.items():
+    for key, text in zip(head, cells):
         try:
             found[key.strip()] = float(text)
         except ValueError:
@@ -95,7 +94,7 @@ def _plain(row):
     """Without empty cells; units in headings are kept as (value, unit)."""
     found = {}
     for key, value in row.items():
-        name, unit = re.fullmatch(r"(\w+)\s*(?:\(([^)]*)\))?", key.strip()).groups()
+        name, unit = nameAndUnit(key)
         if value is not None:
             found[name] = value if unit is None or name in OWN else (value, unit)
     return found

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Values over the depth of the ground, from the table of a sounding."""
 
-import csv
-import re
-
 import numpy as np
 
-from ..base.kinds import FILE, FINITE, TEXT, requireFile, takes
+from ..base.kinds import FILE, FINITE, TEXT, takes
 from ..base.wording import didYouMean, shown
+from .tables import nameAndUnit, readRows
 
 DOWN, UP = ("depth", "z"), ("height", "elevation", "level")
 LENGTHS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 1e-3}  # m
@@ -54,9 +52,10 @@ def readProfile(file, column, top=None):
     upwards. Raises ValueError, with the row, for what is not allowed: other units, negative depths, two
     columns of the name, a file that is no text in UTF-8.
     """
-    rows = _rows(file)
-    heads = [_head(cell) for cell in rows[0][1]] if rows else []
-    names = {name.lower(): k for k, (name, _) in enumerate(heads)}
+    rows = readRows("readProfile", file)
+    heads = [nameAndUnit(cell) for cell in rows[0][1]] if rows else []
+    lower = [name.lower() for name, _ in heads]
+    names = {name: k for k, name in enumerate(lower)}
     where = next((name for name in (*UP, *DOWN) if name in names), None)
     if where is None:
         raise ValueError(f"readProfile: {shown(str(file))} has no column 'depth' or 'height'; give one")
@@ -64,15 +63,13 @@ def readProfile(file, column, top=None):
         raise ValueError(
             f"readProfile: {shown(str(file))} has no column {shown(column)}{didYouMean(column, names)}"
         )
-    if where in DOWN:
-        if top is None:
-            raise ValueError(
-                f"readProfile: {shown(str(file))} has depths; give top, the height of the ground, m"
-            )
+    if top is not None:
         FINITE.check("readProfile", "m", top=top)
+    elif where in DOWN:
+        raise ValueError(f"readProfile: {shown(str(file))} has depths; give top, the height of the ground, m")
     numbers = [names[where], names[column.lower()]]
     for k in numbers:
-        if [name.lower() for name, _ in heads].count(heads[k][0].lower()) > 1:
+        if lower.count(lower[k]) > 1:
             raise ValueError(
                 f"readProfile: {shown(str(file))} has two columns {shown(heads[k][0])}; give one"
             )
@@ -91,38 +88,17 @@ def readProfile(file, column, top=None):
     return found
 
 
-def _rows(file):
-    """Number and cells of each row that is not blank."""
-    path = requireFile("readProfile", file)
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as opened:
-            first = opened.readline()
-            opened.seek(0)
-            between = next((sign for sign in ("\t", ";") if sign in first), ",")
-            reader = csv.reader(opened, delimiter=between, skipinitialspace=True)
-            return [(reader.line_num, row) for row in reader if any(row)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(
-            f"readProfile: {shown(str(file))} is no table of text ({error}); save it as CSV in UTF-8"
-        ) from None
-
-
 def _factor(file, head, units):
     """By which a column is multiplied for kPa, m or radians."""
     name, unit = head
-    if unit.lower().replace("²", "2") not in units:
-        allowed = ", ".join(known for known in units if known)
+    known = (unit or "").lower().replace("²", "2")
+    if known not in units:
+        allowed = ", ".join(filter(None, units))
         raise ValueError(
             f"readProfile: column {shown(name)} of {shown(str(file))} has the unit {shown(unit)}, which is "
             f"not known; give one of {allowed}, in small or capital letters"
         )
-    return units[unit.lower().replace("²", "2")]
-
-
-def _head(cell):
-    """Name and unit of a column."""
-    name, unit = re.fullmatch(r"\s*(.*?)\s*(?:[(\[]([^)\]]*)[)\]])?\s*", cell).groups()
-    return name, (unit or "").strip()
+    return units[known]
 
 
 def _numbers(file, number, row, columns, isDepth):

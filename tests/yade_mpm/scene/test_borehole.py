@@ -71,6 +71,7 @@ def changed(old, new):
     ("MohrCoulomb has no 'yuong'; did you mean 'young'", changed("young", "yuong")),
     ("young is in MPa; give it in kPa", changed("(kPa)", "(MPa)")),
     ("row 1 ('fill') ... poisson", changed("2e4, 0.3", "2e4, 0.7")),
+    ("MohrCoulomb has no 'unit weight'", changed("density", "unit weight (kN/m3)")),
     ("more or fewer cells", changed("clay, 2,", "clay, 2, , ,")),
     ("has no layer", lambda tmp_path: ground([])),
 )

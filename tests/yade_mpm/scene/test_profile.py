@@ -86,7 +86,7 @@ def changed(old, new, column="qt", top=4.0):
     ("row 2 ... has the depth -0.5; depths count downwards", changed("0.5, 0.4", "-0.5, 0.4")),
     ("has two columns 'qt'", changed("fs (kPa)", "qt (kPa)")),
     ("row 5 of ... no numbers", changed("1.0, ,", " , 0.3,")),
-    ("no table of text", lambda tmp_path: notText(tmp_path)),
+    ("not a table of text", lambda tmp_path: notText(tmp_path)),
     ("fewer than two rows", changed("0.5, 0.4, 4\n0.0, 0.2, 3\n", "")),
     ("readProfile: column", changed("", "", column=3), TypeError),
     ("K0 ... of 'clay' ... pairs (height, number)", lambda _: twiceAtOneHeight()),

@@ -251,12 +251,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             cells.collect(begin, end);
-            double half[chunkSize], bulk[3][chunkSize], mu[chunkSize];
+            double half[chunkSize], bulk[3][chunkSize];
             for (int p = begin; p < end; ++p) half[p - begin] = 0.5 * value[p];
             for (int part = 0; part < 3; ++part) {
                 if (part > 0) addMean(body, begin, end, half);
-                body.stiffness(begin, end, bulk[part], mu);
-                for (int i = 0; i < end - begin; ++i) bulk[part][i] += 2.0 / 3 * mu[i];
+                findBulk(body, begin, end, bulk[part]);
             }
             for (int i = 0; i < end - begin; ++i) {
                 value[begin + i] = half[i] / 3 * (1 / bulk[0][i] + 4 / bulk[1][i] + 1 / bulk[2][i]);
@@ -360,10 +359,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         double* change = body.cellAverage.values();
         addMean(body, begin, end, change + begin);
         if (body.material->volumeRecord().plasticStrain < 0) return;
-        double lambda[chunkSize], mu[chunkSize], strain[chunkSize];
-        body.stiffness(begin, end, lambda, mu);
-        for (int i = 0; i < end - begin; ++i) strain[i] = change[begin + i] / (lambda[i] + 2.0 / 3 * mu[i]);
+        double strain[chunkSize];
+        findBulk(body, begin, end, strain);
+        for (int i = 0; i < end - begin; ++i) strain[i] = change[begin + i] / strain[i];
         addPlastic(body, begin, end, strain);
+    }
+    template <int Dim> static void findBulk(Body<Dim>& body, int begin, int end, double* bulk) {
+        double mu[chunkSize];
+        body.stiffness(begin, end, bulk, mu);
+        for (int i = 0; i < end - begin; ++i) bulk[i] += 2.0 / 3 * mu[i];
     }
     // The same mean stress to all axes, change[0] to particle `begin`.
     template <int Dim> static void addMean(Body<Dim>& body, int begin, int end, const double* change) {

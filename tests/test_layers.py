@@ -77,6 +77,28 @@ def test_the_plugin_for_yade_shares_only_the_tables_with_the_solver():
     assert INCLUDE.findall((ROOT / "pkg/coupling/HostTables.hpp").read_text()) == []
 
 
+def test_engines_ask_for_roles_and_not_for_classes():
+    """Scene::role hands interfaces on; the header of an engine is for the files that define it."""
+    files = {name: text for name, text in sources().items() if name.startswith("mpm/")}
+    roles = set(
+        re.findall(r"^(?:template <int Dim> )?class (\w+) {", files["mpm/scene/roles.hpp"], re.MULTILINE)
+    )
+    asked = {r for text in files.values() for r in re.findall(r"\b(?:role|nextRole|forRoles)<(\w+)", text)}
+    assert roles and asked - {"Role"} == roles
+    casts = {name for name, text in files.items() if "dynamic_cast" in text}
+    ofOthers = {
+        "mpm/step/DomainUpdater.cpp",
+        "mpm/contact/rigid/findRigidContacts.cpp",
+    }  # of a law, of domains
+    assert casts == {"mpm/scene/Scene.hpp"} | ofOthers
+    for name, text in files.items():
+        if not name.endswith(".hpp"):
+            continue
+        for engine in re.findall(r"class (\w+) (?:final )?: public EngineOf<", text):
+            users = [n for n, other in files.items() if name in INCLUDE.findall(other)]
+            assert [n for n in users if f"{engine}::" not in files[n]] == [], f"they include {name}"
+
+
 def test_no_file_of_the_solver_includes_itself_through_others():
     """What the rooms cannot see: an engine's interface stands below the scene that holds engines."""
     files = {name: set(INCLUDE.findall(text)) for name, text in sources().items()}

@@ -97,7 +97,7 @@ template <int Dim> struct BindScene {
     // Bodies that part soil, and its group.
     static bp::list partedWalls(const S& scene) {
         bp::list all;
-        for (const auto& wall : scene.parted.walls())
+        for (const auto& wall : scene.state.parted.walls())
             all.append(bp::make_tuple(scene.bodies[wall.body]->name, scene.groups[wall.soil]));
         return all;
     }

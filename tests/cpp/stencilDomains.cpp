@@ -100,8 +100,10 @@ template <int Dim> std::vector<double> nodalSums(Sample<Dim>& sample) {
     using NF = NodalField<Dim>;
     constexpr double inertiaScale = 4;
     std::vector<typename NF::Sum> nodes(sample.grid.count, NF::Sum::zero());
-    parallel(
-        1, [&](ParallelRegion& region) { sample.domains->addSum(region, nodes.data(), inertiaScale, true); });
+    const ActingStress stress(sample.particles.stress);
+    parallel(1, [&](ParallelRegion& region) {
+        sample.domains->addSum(region, nodes.data(), inertiaScale, &stress);
+    });
     std::vector<double> all;
     for (const auto& node : nodes) {
         for (int k = 0; k < Dim; ++k) all.push_back(node[NF::momentum + k]);

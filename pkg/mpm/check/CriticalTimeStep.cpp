@@ -8,9 +8,6 @@
 
 #include "mpm/check/ElasticOperator.hpp"
 #include "mpm/scene/SharedCells.hpp"
-#include "mpm/step/GridSolver.hpp"
-#include "mpm/step/GridToParticle.hpp"
-#include "mpm/step/ImplicitBodies.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -233,7 +230,7 @@ CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most, boo
     result.longestStable = feelsEveryNode(scene, !asIfExplicit)
                                ? longestStableOfWidened(scene, !asIfExplicit, tolerance, most)
                                : longestStable(scene, K, tolerance, most);
-    const double factor = scene.sharedCells->stepFactor(scene);
+    const double factor = scene.state.sharedCells->stepFactor(scene);
     result.ofGrid *= factor;
     result.longestStable *= factor;
     result.dt = std::min(result.ofGrid, result.longestStable);

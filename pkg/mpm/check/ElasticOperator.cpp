@@ -2,7 +2,6 @@
 #include "mpm/check/ElasticOperator.hpp"
 
 #include "mpm/step/Driving.hpp"
-#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
@@ -75,8 +74,8 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
     std::vector<double> scratch;
     holdDrivenNodes(scene, scratch);
     freeSharedNodes(explicitAlone);
-    scene.mirrors.fold(scene.grid, Vec<Dim>::Zero());
-    scene.parted.bond(scene);
+    scene.state.mirrors.fold(scene.grid, Vec<Dim>::Zero());
+    scene.state.parted.bond(scene);
     findDofs();
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         const auto makeRoom = [&](auto& all, const auto& zero) {
@@ -124,7 +123,7 @@ template <int Dim> void ElasticOperator<Dim>::freeSharedNodes(bool explicitAlone
             return body.inertiaScale * own[node] < (1 - 1e-9) * field.sum[node][NF::mass];
         };
         const bool isApart = std::none_of(touched.begin(), touched.end(), isShared);
-        for (auto held = scene_.driven.rbegin(); held != scene_.driven.rend(); ++held)
+        for (auto held = scene_.state.driven.rbegin(); held != scene_.state.driven.rend(); ++held)
             if (held->field == body.velocityField && own[held->node] > 0 && (isApart || isShared(held->node)))
                 field.holder[held->node][held->axis] = held->before;
     }
@@ -179,10 +178,10 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
     parallel(scene_.threads, [&](ParallelRegion& region) { strain(region); });
     parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region); });
     for (size_t f = 0; f < force_.size(); ++f)
-        scene_.mirrors.foldValues(
+        scene_.state.mirrors.foldValues(
             int(f), [&](int ghost, int k) { return NF::forceOf(force_[f][ghost])[k]; },
             [&](int node, int k, double force) { NF::addForce(force_[f][node], k, force); });
-    scene_.parted.forBonded(
+    scene_.state.parted.forBonded(
         [&](int first, int second, int node) { force_[first][node] += force_[second][node]; });
     readForces(y);
 }
@@ -216,10 +215,10 @@ template <int Dim> void ElasticOperator<Dim>::passAll(const std::vector<double>&
                                 velocity_[body->velocityField].data(), {0, 0, 0, body->inertiaScale});
     });
     for (size_t f = 0; f < velocity_.size(); ++f)
-        scene_.mirrors.foldValues(
+        scene_.state.mirrors.foldValues(
             int(f), [&](int ghost, int k) { return velocity_[f][ghost][k]; },
             [&](int node, int k, double p) { velocity_[f][node].set(k, velocity_[f][node][k] + p); });
-    scene_.parted.forBonded([&](int first, int second, int node) {
+    scene_.state.parted.forBonded([&](int first, int second, int node) {
         for (int k = 0; k < Dim; ++k)
             velocity_[first][node].set(k, velocity_[first][node][k] + velocity_[second][node][k]);
     });
@@ -260,10 +259,10 @@ template <int Dim>
 template <class Values>
 void ElasticOperator<Dim>::setValues(Values& values, const std::vector<double>& x) const {
     for (int i = 0; i < size(); ++i) values[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
-    scene_.parted.forBonded(
+    scene_.state.parted.forBonded(
         [&](int first, int second, int node) { values[second][node] = values[first][node]; });
     for (size_t f = 0; f < values.size(); ++f)
-        scene_.mirrors.reflectValues(
+        scene_.state.mirrors.reflectValues(
             int(f), [&](int node, int k) { return values[f][node][k]; },
             [&](int ghost, int k, double v) { values[f][ghost].set(k, v); });
 }

@@ -11,28 +11,28 @@ namespace mpm {
 // particles are found where they stand; in a step the weights are those of its start.
 template <int Dim> class PresentSums {
   public:
-    explicit PresentSums(Scene<Dim>& scene) : scene_(scene), mirrors_(scene.mirrors) {
+    explicit PresentSums(Scene<Dim>& scene) : scene_(scene), mirrors_(scene.state.mirrors) {
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
-                if (!scene.located) body->domains->locate(region);
+                if (!scene.state.located) body->domains->locate(region);
         });
         for (auto& body : scene.bodies) // boxes keep the order that users see
-            if (!scene.located && body->domains->mesh()) body->domains->resort();
+            if (!scene.state.located && body->domains->mesh()) body->domains->resort();
         for (auto& field : scene.grid.fields) {
             kept_.push_back({field.extents, field.extents, {}});
             field.forgetExtents();
         }
         for (auto& body : scene.bodies)
             body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
-        scene.located ? scene.parted.markExtents(scene) : scene.parted.divide(scene, false);
+        scene.state.located ? scene.state.parted.markExtents(scene) : scene.state.parted.divide(scene, false);
         for (size_t f = 0; f < kept_.size(); ++f) keep(scene.grid.fields[f], kept_[f]);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(),
-                                      body->inertiaScale, false);
+                                      body->inertiaScale, nullptr);
         });
-        scene.mirrors.fold(scene.grid, Vec<Dim>::Zero());
-        scene.parted.bond(scene);
+        scene.state.mirrors.fold(scene.grid, Vec<Dim>::Zero());
+        scene.state.parted.bond(scene);
     }
     ~PresentSums() {
         for (size_t f = 0; f < kept_.size(); ++f) {
@@ -40,7 +40,7 @@ template <int Dim> class PresentSums {
             forNodes(kept_[f], [&](int node) { scene_.grid.fields[f].sum[node] = *sum++; });
             scene_.grid.fields[f].extents.swap(kept_[f].extents);
         }
-        scene_.mirrors = mirrors_;
+        scene_.state.mirrors = mirrors_;
     }
     PresentSums(const PresentSums&) = delete;
 

@@ -10,8 +10,7 @@
 // digits. One thread does it all, so that the bits are the same for any number.
 #include "mpm/contact/Contact.hpp"
 
-#include "mpm/step/GridSolver.hpp"
-#include "mpm/step/GridToParticle.hpp"
+#include "mpm/scene/SharedCells.hpp"
 
 namespace mpm {
 
@@ -147,9 +146,9 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
         gaps.clear();
     }
     if (dead) return;
-    scene.sharedCells->isWanted = sharesCells;
-    scene.sharedCells->restore(cells, gaps);
-    std::get<SharedCells<Dim>*>(shared_) = scene.sharedCells.get();
+    scene.state.sharedCells->isWanted = sharesCells;
+    scene.state.sharedCells->restore(cells, gaps);
+    std::get<SharedCells<Dim>*>(shared_) = scene.state.sharedCells.get();
 }
 
 FrictionLaw Contact::lawOf(int a, int b) const {
@@ -172,7 +171,8 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     for (size_t i = 0; i < state.search.nodes.size(); ++i)
         std::copy(state.search.nodes[i].twin, state.search.nodes[i].twin + 2, state.impulses.nodes[i].twin);
-    if (!isReady && scene.sharedCells->isWanted) state.carried.find(*scene.sharedCells, state.search);
+    if (!isReady && scene.state.sharedCells->isWanted)
+        state.carried.find(*scene.state.sharedCells, state.search);
     return state;
 }
 
@@ -296,10 +296,10 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
 
 // Tells the shared cells where groups press on each other.
 template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Dim>& search) {
-    if (!scene.sharedCells->isWanted) return;
+    if (!scene.state.sharedCells->isWanted) return;
     for (const auto& node : search.nodes)
-        if (node.touches) scene.sharedCells->touch(node.field, node.node);
-    scene.sharedCells->closeTouched(scene.grid);
+        if (node.touches) scene.state.sharedCells->touch(node.field, node.node);
+    scene.state.sharedCells->closeTouched(scene.grid);
 }
 
 // Gives the groups on a node what they have exchanged.

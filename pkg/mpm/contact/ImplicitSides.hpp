@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
-#include "mpm/step/ImplicitBodies.hpp"
+#include "mpm/step/ImpulseResponse.hpp"
 
 namespace mpm {
 
@@ -19,12 +19,12 @@ template <int Dim> class ImplicitSides {
         clear();
         start_.clear();
         before_.clear();
-        auto* bodies = scene.template find<ImplicitBodies>();
+        auto* bodies = scene.template role<ImplicitMotion<Dim>>();
         if (!bodies) return;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
                 const int field = search.nodes[i].field[side], node = search.nodes[i].node;
-                if (!bodies->template moves<Dim>(field, node)) continue;
+                if (!scene.state.implicitNodes.moves(field, node)) continue;
                 if (const int twin = nodes[i].twin[side]; twin >= 0 && twin < int(i)) {
                     nodes[i].responding[side] = nodes[twin].responding[side];
                     continue;
@@ -102,7 +102,7 @@ template <int Dim> class ImplicitSides {
             impulses.push_back(sign * J.all);
             unfelt.push_back(sign * part * node.startInverseMass[place.side] * J.agreeing);
         }
-        scene.template find<ImplicitBodies>()->take(scene, response_, impulses, unfelt);
+        scene.template role<ImplicitMotion<Dim>>()->take(scene, response_, impulses, unfelt);
     }
 
   private:

@@ -50,7 +50,7 @@ template <int Dim> struct PairSearch {
 
     // Whether a soil that a wall parts is one on a node.
     bool isBonded(int node) const {
-        return scene->parted.isBonded(field[0], node) || scene->parted.isBonded(field[1], node);
+        return scene->state.parted.isBonded(field[0], node) || scene->state.parted.isBonded(field[1], node);
     }
     // The contact node of the first field where both fields of a soil are one; -1: there is none.
     int bondedNode(int node) const {
@@ -62,7 +62,8 @@ template <int Dim> struct PairSearch {
     // A vertex as this field of a soil sees it. Where the soil is one on all nodes round it, its first field is all
     // there is. false: it does not see the vertex.
     bool see(const Body<Dim>& body, const ExplicitSurface<Dim>& surface, Vertex& vertex) const {
-        if (scene->parted.partnerOf(field[0]) < 0 && scene->parted.partnerOf(field[1]) < 0) return true;
+        if (scene->state.parted.partnerOf(field[0]) < 0 && scene->state.parted.partnerOf(field[1]) < 0)
+            return true;
         bool isOne = true;
         double part[Dim];
         nearby.forCorners(grid(), vertex.position, part, [&](int corner, int node) {
@@ -71,13 +72,13 @@ template <int Dim> struct PairSearch {
             if (vertex.around.S[corner] > 0) isOne &= isBonded(node);
         });
         if (isOne && vertex.number >= 0) vertex = surface.whole(body, vertex);
-        return !isOne || (scene->parted.isFirst(field[0]) && scene->parted.isFirst(field[1]));
+        return !isOne || (scene->state.parted.isFirst(field[0]) && scene->state.parted.isFirst(field[1]));
     }
     // What the other group does not see of a body of a side, see PartedSoils.
     Vec<Dim> hidden(int side, const Body<Dim>& body) const {
         const auto is = [&](const auto& other) { return other.get() == &body; };
         const auto found = std::find_if(scene->bodies.begin(), scene->bodies.end(), is);
-        return scene->parted.hiddenFrom(field[1 - side], int(found - scene->bodies.begin()));
+        return scene->state.parted.hiddenFrom(field[1 - side], int(found - scene->bodies.begin()));
     }
 
     const Grid<Dim>& grid() const { return scene->grid; }

@@ -73,7 +73,7 @@ template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
     const Grid<Dim>& grid = pair.grid();
     for (int side = 0; side < 2; ++side) {
         pair.boxes[side].find(*pair.scene, pair.field[side], pair.nearby);
-        const int partner = pair.scene->parted.partnerOf(pair.field[side]);
+        const int partner = pair.scene->state.parted.partnerOf(pair.field[side]);
         pair.partners[side].find(*pair.scene, partner, pair.nearby);
         pair.sided[side].find(*pair.scene, partner < 0 ? -1 : pair.field[side], pair.nearby, true);
         pair.forNodes([&](ContactNode<Dim>& contact) {

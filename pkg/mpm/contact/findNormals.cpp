@@ -119,7 +119,7 @@ template <int Dim> struct NearbyRollers {
             for (int end = 0; end < 2; ++end) {
                 const int face = grid.ghost + end * grid.cells[k];
                 const int holder = pair.fieldOf(side).holder[node + (face - at[k]) * grid.strides[k]][k];
-                line[end][k] = pair.scene->mirrors.isRoller(holder) ? face : none;
+                line[end][k] = pair.scene->state.mirrors.isRoller(holder) ? face : none;
             }
     }
     // How many images along an axis a node has up to `reach` steps away; a node on a roller is its own.
@@ -158,7 +158,7 @@ template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, 
         });
     };
     add(pair.field[side], true);
-    const int partner = pair.scene->parted.partnerOf(pair.field[side]);
+    const int partner = pair.scene->state.parted.partnerOf(pair.field[side]);
     if (partner >= 0) add(partner, pair.isBonded(node));
     return momentum / mass; // the node itself has some
 }

@@ -62,7 +62,7 @@ template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>
                                        takenBy(point));
             }
         }
-    for (const auto& part : scene.sharedCells->forcesOfCells())
+    for (const auto& part : scene.state.sharedCells->forcesOfCells())
         if (search.isOfMeshes(part.solid))
             state.facets.add(scene, part.solid, middleOf(scene.grid, part.node), -unit<Dim>(part.force, 0.0),
                              scene.dt * part.force);
@@ -73,7 +73,7 @@ template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>
 template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
     using Place = std::tuple<int, int, int>;    // first and second group, node
     std::vector<std::pair<Place, Vec<Dim>>> on; // the second group
-    for (const auto& part : scene.sharedCells->forces()) {
+    for (const auto& part : scene.state.sharedCells->forces()) {
         const int soil = scene.groupOf[part.soil];
         const auto [first, second] = std::minmax(soil, part.solid);
         on.push_back({{first, second, part.node}, (part.solid > soil ? 1 : -1) * part.force});

@@ -39,6 +39,22 @@ struct MovedEnergy {
     }
 };
 
+// A tensor of the particles, planes 3*i + j, that acts on the nodes by its divergence.
+struct ActingStress {
+    std::array<const double*, 9> planes;
+    // kPa, added to its diagonal; nullptr: nothing is. With F-bar: what the particles bear of the mean stress of their
+    // cells, less their own mean stress.
+    const double* spherical = nullptr;
+
+    explicit ActingStress(const double* const tensor[9]) { std::copy_n(tensor, 9, planes.begin()); }
+    explicit ActingStress(Field& stress, const double* spherical = nullptr) : spherical(spherical) {
+        for (int c = 0; c < 9; ++c) planes[c] = stress.plane(c);
+    }
+    double diagonal(int axis, int p) const {
+        return spherical ? planes[4 * axis][p] + spherical[p] : planes[4 * axis][p];
+    }
+};
+
 template <int Dim> class MPM_PUBLIC Domains {
   public:
     using NF = NodalField<Dim>;
@@ -62,9 +78,10 @@ template <int Dim> class MPM_PUBLIC Domains {
     // What part of the grid is touched, then; returns true when particles have been sorted and must be
     // located again. One thread.
     virtual bool resort() = 0;
-    // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control.
+    // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control; stress = nullptr:
+    // without forces.
     virtual void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
-                        bool withForce) = 0;
+                        const ActingStress* stress) = 0;
     // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then
     // node += phi * momentum, with weights of the step's start (nullptr: not wanted).
     virtual void move(ParallelRegion& region, const typename NF::Motion* nodes,
@@ -116,9 +133,6 @@ template <int Dim> class MPM_PUBLIC Domains {
         return std::accumulate(moved_.begin(), moved_.end(), MovedEnergy{},
                                [](MovedEnergy sum, const MovedEnergy& piece) { return sum += piece; });
     }
-
-    // Stands in for the diagonal of the stress in addSum() where some of it acts otherwise; nullptr: does not.
-    std::array<const double*, 3> diagonal{};
 
     Particles<Dim>& particles;
     const Grid<Dim>& grid;

@@ -45,14 +45,21 @@ template <int Dim> struct ParticlePlanes {
         }
     }
     template <size_t most>
-    void tension(int first, int count, const double* const tensor[9], double (&out)[Dim][Dim][most]) const {
-        const double *V = volume + first, *sigma[Dim][Dim];
+    void tension(int first, int count, const ActingStress& stress, double (&out)[Dim][Dim][most]) const {
+        stress.spherical ? tension<true>(first, count, stress, out)
+                         : tension<false>(first, count, stress, out);
+    }
+    template <bool hasSpherical, size_t most>
+    void tension(int first, int count, const ActingStress& stress, double (&out)[Dim][Dim][most]) const {
+        const double *V = volume + first, *sigma[Dim][Dim],
+                     *spherical = stress.spherical + (hasSpherical ? first : 0);
         for (int i = 0; i < Dim; ++i)
-            for (int j = 0; j < Dim; ++j) sigma[i][j] = tensor[i <= j ? 3 * i + j : 3 * j + i] + first;
+            for (int j = 0; j < Dim; ++j) sigma[i][j] = stress.planes[i <= j ? 3 * i + j : 3 * j + i] + first;
 #pragma omp simd
         for (int p = 0; p < count; ++p) MPM_UNROLL
         for (int i = 0; i < Dim; ++i) MPM_UNROLL
-        for (int j = 0; j < Dim; ++j) out[i][j][p] = -V[p] * sigma[i][j][p];
+        for (int j = 0; j < Dim; ++j)
+            out[i][j][p] = -V[p] * (hasSpherical && i == j ? sigma[i][j][p] + spherical[p] : sigma[i][j][p]);
     }
     template <size_t most> void bodyForces(int first, int count, double (&out)[Dim][most]) const {
         for (int k = 0; k < Dim; ++k)
@@ -67,9 +74,9 @@ template <int Dim> struct ParticlePlanes {
         interleave({p[0], p[1], p[2], Dim == 2 ? mass + first : p[Dim]}, count, out);
     }
     // B = - V tensor, for its products with grad phi; in 3D with the weight mass.
-    void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
+    void forces(int first, int count, const ActingStress& stress, typename L::Set* out) const {
         double B[Dim][Dim][largestBatch];
-        tension(first, count, tensor, B);
+        tension(first, count, stress, B);
         if constexpr (Dim == 2)
             interleave({B[0][0], B[0][1], B[1][0], B[1][1]}, count, &out[0][0]);
         else {

@@ -82,17 +82,17 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     }
 
     void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
-                bool withForce) override {
-        const auto stress = Base::stressPlanes();
+                const ActingStress* stress) override {
         forParticles(region, [&](int p, int) {
             addMomentum(nodes, p, inertiaScale);
-            if (withForce) addTension(nodes, p, stress.data());
-            if (withForce && particles.hasBodyForce) addBodyForce(nodes, p);
+            if (stress) addTension(nodes, p, *stress);
+            if (stress && particles.hasBodyForce) addBodyForce(nodes, p);
         });
     }
 
     void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
-        forParticles(region, [&](int p, int) { addTension(nodes, p, tensor); });
+        const ActingStress stress(tensor);
+        forParticles(region, [&](int p, int) { addTension(nodes, p, stress); });
     }
 
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
@@ -277,11 +277,13 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     }
 
     // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j)
-    void addTension(typename NF::Sum* nodes, int p, const double* const tensor[9]) const {
+    void addTension(typename NF::Sum* nodes, int p, const ActingStress& stress) const {
         Mat<Dim> tension;
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j)
-                tension(i, j) = -particles.volume.plane()[p] * tensor[3 * std::min(i, j) + std::max(i, j)][p];
+                tension(i, j) =
+                    -particles.volume.plane()[p] *
+                    (i == j ? stress.diagonal(i, p) : stress.planes[3 * std::min(i, j) + std::max(i, j)][p]);
         stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
             const Vec<Dim> force = tension * gradient;
             for (int k = 0; k < Dim; ++k) NF::addForce(nodes[node], k, force[k]);

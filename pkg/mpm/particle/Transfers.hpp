@@ -36,15 +36,6 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
     }
 
-    // The step's own arrays of stress, for Planes::force.
-    std::array<const double*, 9> stressPlanes() const {
-        std::array<const double*, 9> planes;
-        for (int c = 0; c < 9; ++c) planes[c] = particles.stress.plane(c);
-        for (int k = 0; k < 3; ++k)
-            if (Base::diagonal[k]) planes[4 * k] = Base::diagonal[k];
-        return planes;
-    }
-
     // V = J V0 of particles [begin, end).
     void volumesFromGradient(int begin, int end) {
         const double* F[9];

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "mpm/particle/apdi/RingShape.hpp"
+#include "mpm/scene/AveragedCell.hpp"
 #include "mpm/scene/Holes.hpp"
 #include "mpm/scene/MeanOfStress.hpp"
 #include "mpm/scene/ParticleCells.hpp"
@@ -22,18 +23,7 @@ namespace mpm {
 
 template <int Dim> class CellAverage {
   public:
-    struct Cell {
-        Vec<Dim> edges;                // m
-        double whole = 0;              // volume, m3
-        double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
-        double share = 1;              // of the volume of all bodies in it
-        double uneven = 1;             // factor of its rate of volume change
-        double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
-        double taken = 0;              // flux of holes beside it, m3/s
-        double shared = 0;   // m3, of the volume that it shares with a body of another group (SharedCells),
-        bool isOpen = false; // where a gap parts both
-        Vec<Dim> centre;     // of the particles
-    };
+    using Cell = AveragedCell<Dim>;
 
     // Which particles are in which cell, see ParticleCells, and their volume and mean stress; called by all threads, and
     // so is all that takes a region.
@@ -52,7 +42,7 @@ template <int Dim> class CellAverage {
             actByCells_ = !mesh || (isAmongBoxes && fitInCells_);
             where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr, second);
             isParted_ = second.isParted;
-            resize(particles.size(), grid, second.isSecond ? 2 : 1);
+            resize(grid, second.isSecond ? 2 : 1);
         });
         where_.locate(region, grid);
         forOwn(region, [&](int firstSlab, int endSlab) {
@@ -60,7 +50,8 @@ template <int Dim> class CellAverage {
                 if (!where_.hasKept(slab)) enter(grid, slab);
         });
         const MeanOfStress<Dim> mean(particles.stress, grid);
-        average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell) {
+        average<false>(region, particles.volume.plane(), mean, [&](int c, Cell& cell, const MeanInCell& of) {
+            cell.take(of);
             cell.volume = cell.weight;
             cell.inside = cell.shared = cell.taken = 0;
             cell.uneven = 1;
@@ -111,20 +102,18 @@ template <int Dim> class CellAverage {
     bool isLocated(int particles) const { return where_.areLocated(particles); }
     void forget() { where_.forget(); }
 
-    // Of each particle: what is averaged, or given by the cells.
-    double* values() { return value_.data(); }
-    // The value of the particles in cell c becomes f(p); of a particle in several cells, after collect() of its chunk, the
-    // mean of what its points are given.
-    template <class F> void give(int c, F&& f) {
-        double* to = given_.empty() ? value_.data() : given_.data();
+    // of[p] = f(p) for the particles in cell c; for a particle in several cells, after collect() of its chunk, the mean of
+    // what its points are given.
+    template <class F> void give(int c, double* of, F&& f) {
+        double* to = given_.empty() ? of : given_.data();
         forPoints(c, [&](int point, int p) { to[point] = f(point, p); });
     }
-    void collect(int begin, int end) {
+    void collect(int begin, int end, double* of) {
         if (given_.empty()) return;
         for (int p = begin; p < end; ++p) {
             const double* first = &given_[where_.points().at(p)];
             const int per = where_.points().per(p);
-            value_[p] = std::accumulate(first, first + per, 0.0) / per;
+            of[p] = std::accumulate(first, first + per, 0.0) / per;
         }
     }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
@@ -147,7 +136,7 @@ template <int Dim> class CellAverage {
     }
 
     // Means of of(p), weighted with a volume of each particle; withCentres: also the centre of the particles.
-    // finish(number, cell) for each cell. What is alone is left out.
+    // finish(number, cell, mean) for each cell. What is alone is left out.
     template <bool withCentres, class Of, class Finish>
     void average(ParallelRegion& region, const double* volume, Of&& of, Finish&& finish) {
         const auto& points = where_.points();
@@ -159,26 +148,24 @@ template <int Dim> class CellAverage {
                 sum += V * of(p);
                 for (int k = 0; k < Dim && withCentres; ++k) centre[k] += V * points.position(p, point, k);
             });
-            cell.weight = weight;
-            cell.mean = sum / weight;
             for (int k = 0; k < Dim && withCentres; ++k) cell.centre[k] = centre[k] / weight;
-            finish(c, cell);
+            finish(c, cell, MeanInCell{weight, sum / weight});
         });
     }
 
-    // Gives the particles the mean, linear in the cells, less their value. Its slope is along each axis the mean of those to
+    // change[p]: what makes the mean stress of particle p, now stress[p], linear in the cells. Its slope is along each axis the mean of those to
     // both neighbours, at most twice the smaller one (the monotonised central difference of van Leer 1977). Zero at an
     // extremum and where a neighbour is empty.
-    void giveLinear(ParallelRegion& region, const Grid<Dim>& grid) {
+    void giveLinear(ParallelRegion& region, const Grid<Dim>& grid, const double* stress, double* change) {
         forOwnCells(region, [&](int c, const Cell& cell) {
             double slopes[Dim];
             for (int k = 0; k < Dim; ++k)
                 slopes[k] = slope(c, beside(c, -grid.strides[k]), beside(c, grid.strides[k]), k);
-            give(c, [&](int point, int p) {
-                double change = cell.mean - value_[p];
+            give(c, change, [&](int point, int p) {
+                double gain = cell.stress - stress[p];
                 for (int k = 0; k < Dim; ++k)
-                    change += slopes[k] * (where_.points().position(p, point, k) - cell.centre[k]);
-                return change;
+                    gain += slopes[k] * (where_.points().position(p, point, k) - cell.centre[k]);
+                return gain;
             });
         });
     }
@@ -207,9 +194,9 @@ template <int Dim> class CellAverage {
     }
 
     // Rate of volume change of the particles in a cell, from that of the cell and their own mean, 1/s.
-    static double rateOf(const Cell& cell, double ofCell) {
+    static double rateOf(const Cell& cell, double ofCell, double ofParticles) {
         const double holes = cell.taken == 0 ? 0 : cell.taken / acting(cell, cell.share * cell.whole);
-        return cell.uneven * (cell.inside * ofCell + (1 - cell.inside) * cell.mean + holes);
+        return cell.uneven * (cell.inside * ofCell + (1 - cell.inside) * ofParticles + holes);
     }
     // Volume that the mean stress of a cell acts with, m3, where `whole` is the volume of the cell that is its own.
     static double acting(const Cell& cell, double whole) {
@@ -232,7 +219,7 @@ template <int Dim> class CellAverage {
         region.once([&] {
             for (const auto& hole : holes_) {
                 double acting = 0;
-                forTakers(hole, [&](Cell& cell, double part) { acting += part * hole.volume * cell.mean; });
+                forTakers(hole, [&](Cell& cell, double part) { acting += part * hole.volume * cell.stress; });
                 actByCell(hole.cell, acting * grid.edges(hole.cell).cwiseInverse());
             }
         });
@@ -266,9 +253,8 @@ template <int Dim> class CellAverage {
     // Cover of a cell from which on domains that fit in cells have vertices near all of its corners.
     static constexpr double coveredByVertices = 0.8;
 
-    void resize(int particles, const Grid<Dim>& grid, int halves) {
+    void resize(const Grid<Dim>& grid, int halves) {
         count_ = grid.count;
-        value_.resize(particles);
         given_.resize(where_.points().isInParts() ? where_.points().size() : 0);
         cells_.resize(halves * count_);
         cover_.resize(halves * count_);
@@ -357,7 +343,7 @@ template <int Dim> class CellAverage {
         if (last < 0 || next < 0) return 0;
         const Cell &before = cells_[last], &cell = cells_[number], &after = cells_[next];
         const auto between = [&](const Cell& a, const Cell& b) {
-            return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
+            return (b.stress - a.stress) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
         };
         const double left = between(before, cell), right = between(cell, after), both = 0.5 * (left + right);
         const double least = std::min(std::abs(both), 2 * std::min(std::abs(left), std::abs(right)));
@@ -386,8 +372,7 @@ template <int Dim> class CellAverage {
     bool fitInCells_ = false;   // whether no domain was made larger than a cell,
     int measured_ = -1;         // found when there were so many domains
     double half_ = 0;           // of the edge of boxes along the first axis, m
-    std::vector<double> value_; // of particles
-    std::vector<double> given_; // to the points of those that count in parts
+    std::vector<double> given_; // to the points of particles that count in parts
     std::vector<Cell> cells_;
     std::vector<double> cover_,
         total_; // of each cell of the grid: volume of the particles over its own; of all bodies

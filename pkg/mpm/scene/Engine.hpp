@@ -53,22 +53,4 @@ template <class Derived> class EngineOf : public Engine {
     void action(Scene<3>& scene) override { static_cast<Derived*>(this)->template act<3>(scene); }
 };
 
-// What an engine may be besides: it couples the velocity fields of groups of bodies, and VelocityRemap asks
-// for that once it has made these velocities anew.
-class VelocityCoupling {
-  public:
-    virtual ~VelocityCoupling() = default;
-    virtual void couple(Scene<2>& scene) = 0;
-    virtual void couple(Scene<3>& scene) = 0;
-};
-
-// And: a part of its work needs nothing that the engine right before it changes, so that this one may let another
-// thread do it meanwhile.
-class LookingAhead {
-  public:
-    virtual ~LookingAhead() = default;
-    virtual void lookAhead(const Scene<2>& scene) = 0;
-    virtual void lookAhead(const Scene<3>& scene) = 0;
-};
-
 } // namespace mpm

@@ -13,13 +13,14 @@ namespace mpm {
 
 template <int Dim>
 Scene<Dim>::Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
-    : grid(lower, upper, cell), sharedCells(std::make_unique<SharedCells<Dim>>()) {}
+    : grid(lower, upper, cell) {}
 
-template <int Dim>
-Scene<Dim>::Scene(const typename Grid<Dim>::Lines& lines)
-    : grid(lines), sharedCells(std::make_unique<SharedCells<Dim>>()) {}
+template <int Dim> Scene<Dim>::Scene(const typename Grid<Dim>::Lines& lines) : grid(lines) {}
 
 template <int Dim> Scene<Dim>::~Scene() = default;
+
+template <int Dim> StepState<Dim>::StepState() : sharedCells(std::make_unique<SharedCells<Dim>>()) {}
+template <int Dim> StepState<Dim>::~StepState() = default;
 
 template <int Dim> void Scene<Dim>::prepare() {
     require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
@@ -27,7 +28,7 @@ template <int Dim> void Scene<Dim>::prepare() {
         require(
             !body->domains->distortion() || !body->type->converts() || body->convertsTo, "body '", body->name,
             "': onDistortion = 'convert', and no body takes over its domains; give it one with convertTo");
-    driven.clear();
+    state.driven.clear();
     separateGroups();
     for (auto& field : grid.fields) field.holder.assign(grid.count, NodalField<Dim>::free());
     for (size_t c = 0; c < constraints.size(); ++c) {
@@ -39,8 +40,8 @@ template <int Dim> void Scene<Dim>::prepare() {
                 for (int k = 0; k < Dim; ++k)
                     if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
-    mirrors.findRollers(grid, constraints);
-    sharedCells->isWanted = false;
+    state.mirrors.findRollers(grid, constraints);
+    state.sharedCells->isWanted = false;
     for (auto& engine : engines) {
         engine->finish();
         engine->prepare(*this);
@@ -61,13 +62,13 @@ template <int Dim> void Scene<Dim>::separateGroups() {
     }
     groupOf.resize(groups.size());
     std::iota(groupOf.begin(), groupOf.end(), 0);
-    parted.find(*this);
+    state.parted.find(*this);
     grid.setFields(groupOf);
 }
 
 template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     if (engine.dead) return;
-    if (engine.isStage() && !located) {
+    if (engine.isStage() && !state.located) {
         const auto first = std::find_if(engines.begin(), engines.end(), [](auto& e) { return e->isStage(); });
         require(
             first != engines.end() && first->get() == &engine, "Scene: ", engine.className(),
@@ -87,7 +88,7 @@ template <int Dim> void Scene<Dim>::endStep(double newTime) {
     for (auto& constraint : constraints) constraint->stepped(dt, newTime);
     for (auto& engine : engines)
         if (!engine->dead) engine->stepped(dt);
-    located = false;
+    state.located = false;
     storeRelaxed(time, newTime);
     storeRelaxed(step, step + 1);
 }
@@ -127,6 +128,8 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     return taken;
 }
 
+template struct StepState<2>;
+template struct StepState<3>;
 template class Scene<2>;
 template class Scene<3>;
 

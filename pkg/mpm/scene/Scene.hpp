@@ -5,9 +5,9 @@
 #include "mpm/scene/Body.hpp"
 #include "mpm/scene/Constraint.hpp"
 #include "mpm/scene/Engine.hpp"
-#include "mpm/scene/MirrorNodes.hpp"
-#include "mpm/scene/PartedSoils.hpp"
 #include "mpm/scene/Scheme.hpp"
+#include "mpm/scene/StepState.hpp"
+#include "mpm/scene/roles.hpp"
 
 #include <array>
 #include <cmath>
@@ -21,8 +21,6 @@ struct Energies {
     double contact = 0;  // energy lost to friction and impact between groups of bodies
     double implicit = 0; // energy taken by the implicit solution of bodies
 };
-
-template <int Dim> class SharedCells;
 
 template <int Dim> class Scene {
   public:
@@ -40,14 +38,7 @@ template <int Dim> class Scene {
     long step = 0;
     int threads = 1;
     Energies energies;
-    bool sorted = false;  // whether particles were sorted, while they are located
-    bool located = false; // whether particles are where they were found in the grid, since the last step
-
-    struct Held {
-        int field, node, axis;
-        short before; // the holder that a drive took over from
-    };
-    std::vector<Held> driven;
+    StepState<Dim> state;
 
     Body<Dim>* body(const std::string& name) {
         for (auto& b : bodies)
@@ -55,17 +46,22 @@ template <int Dim> class Scene {
         throw InputError("there is no body named '" + name + "'");
     }
 
-    // The engine of a class or with an interface: the first that lives, or nullptr.
-    template <class Wanted> Wanted* find() const {
+    // f(role) for the engines that live and have it.
+    template <class Role, class F> void forRoles(F&& f) const {
         for (auto& engine : engines)
-            if (auto* found = dynamic_cast<Wanted*>(engine.get()); found && !engine->dead) return found;
+            if (auto* found = as<Role>(*engine)) f(*found);
+    }
+    // The first of these; nullptr: there is none.
+    template <class Role> Role* role() const {
+        for (auto& engine : engines)
+            if (auto* found = as<Role>(*engine)) return found;
         return nullptr;
     }
-    // The next living engine behind this one, if it is of that class or has that interface; else nullptr.
-    template <class Wanted> Wanted* next(const Engine& engine) const {
+    // Of the next living engine behind this one; nullptr: it has not this role.
+    template <class Role> Role* nextRole(const Engine& engine) const {
         bool isBehind = false;
         for (auto& other : engines) {
-            if (isBehind && !other->dead) return dynamic_cast<Wanted*>(other.get());
+            if (isBehind && !other->dead) return as<Role>(*other);
             isBehind |= other.get() == &engine;
         }
         return nullptr;
@@ -86,11 +82,8 @@ template <int Dim> class Scene {
         return 1e-30 * largest;
     }
 
-    MirrorNodes<Dim> mirrors;                            // behind rollers
-    const std::unique_ptr<SharedCells<Dim>> sharedCells; // of soil and a body that it is in contact with
     std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
-    PartedSoils<Dim> parted;         // that have two: the second ones come after those of all groups
-    std::vector<int> groupOf;        // of each field
+    std::vector<int> groupOf;        // of each field; second ones of soils come after those of all groups
 
     // Checks the chain and enters the static constraints; before the first step and after every change.
     void prepare();
@@ -117,6 +110,41 @@ template <int Dim> class Scene {
     double heldMean(int constraint, int axis, double own) const {
         return 0.5 * (heldAtStart(constraint, axis, own) + heldAtEnd(constraint, axis));
     }
+
+  private:
+    template <class Role> static Role* as(Engine& engine) {
+        static_assert(!std::is_base_of_v<Engine, Role>, "ask for a role (scene/roles.hpp), not for a class");
+        return engine.dead ? nullptr : dynamic_cast<Role*>(&engine);
+    }
 };
+
+// Acceleration of gravity in a scene, m/s2, its local damping, and what particles keep of their own velocity; zero, zero
+// and all where no engine has the role.
+template <int Dim> Vec<Dim> gravityOf(const Scene<Dim>& scene) {
+    Vec<Dim> g = Vec<Dim>::Zero();
+    if (const auto* solver = scene.template role<SolvingMotion>())
+        for (int k = 0; k < Dim; ++k) g[k] = solver->gravityAlong(k);
+    return g;
+}
+template <int Dim> double dampingOf(const Scene<Dim>& scene) {
+    const auto* solver = scene.template role<SolvingMotion>();
+    return solver ? solver->dampingOfParticles() : 0;
+}
+template <int Dim> double flipOf(const Scene<Dim>& scene) {
+    const auto* mover = scene.template role<MovingParticles>();
+    return mover ? mover->keptVelocity() : 1;
+}
+
+// Whether the elastic forces of a body enter the solution.
+template <int Dim> bool isSolvedImplicitly(const Scene<Dim>& scene, const Body<Dim>& body) {
+    return body.isImplicit && scene.template role<ImplicitMotion<Dim>>();
+}
+// Whether bodies that are solved for implicitly share a velocity field with others.
+template <int Dim> bool mixesImplicit(const Scene<Dim>& scene, int field) {
+    bool hasImplicit = false, hasOther = false;
+    for (auto& body : scene.bodies)
+        if (body->velocityField == field) (isSolvedImplicitly(scene, *body) ? hasImplicit : hasOther) = true;
+    return hasImplicit && hasOther;
+}
 
 } // namespace mpm

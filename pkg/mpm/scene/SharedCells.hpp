@@ -51,12 +51,12 @@ template <int Dim> class SharedCells {
     // `closed` if the taker were closed: a known gap opens by the difference, and what is left of it in a step is all
     // that the soil may take. volume: of the taker, what is this soil's.
     double openRate(int taker, double volume, double dt, double own, double closed) {
-        double& gap = gaps_.at(taker);
-        if (gap <= 0) return own; // not known, or 0: surfaces have met in this step
+        Gap& gap = gaps_.at(taker);
+        if (gap.is != Gap::Is::open) return own; // not known, or surfaces have met in this step
         const double part = volume / takers_.at(taker).volume;
-        const double opened = gap + part * dt * (closed - own);
-        if (opened <= usedUp) own = closed + gap / (part * dt);
-        gap = opened > kept ? unknown : std::max(usedUp, opened);
+        const double opened = gap.width + part * dt * (closed - own);
+        if (opened <= Gap::usedUp) own = closed + gap.width / (part * dt);
+        gap = Gap::after(opened);
         return own;
     }
     // What flows out of the cells in a step. velocityOf(group, node): m/s, while the step strains the bodies. One thread.
@@ -111,7 +111,7 @@ template <int Dim> class SharedCells {
     }
     void closeTouched(const Grid<Dim>& grid);
 
-    // The cells of the takers and how far each is open; 0: closed, negative: not known.
+    // The cells of the takers and the gap of each as a number, see Gap::number().
     void store(std::vector<double>& cells, std::vector<double>& gaps) const;
     void restore(const std::vector<double>& cells, const std::vector<double>& gaps);
 
@@ -124,9 +124,28 @@ template <int Dim> class SharedCells {
         double filled = 0;
         bool isClosed = false;
     };
-    // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
-    // is kept; and one that is used up.
-    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 3e-2;
+    // Between the soil of a taker and the other group, over the volume of the taker: what it opened since it was closed.
+    struct Gap {
+        // open: by `width`. placed, unknown: nobody knows how far, of takers that were there when the first came, and of
+        // later ones or such that opened by more than is kept.
+        enum class Is { closed, open, placed, unknown };
+        // Less than usedUp is no gap: the soil closes where it is pressed. What opened by more than `kept` is not followed.
+        static constexpr double usedUp = 1e-12, kept = 3e-2;
+        Is is = Is::unknown;
+        double width = 0;
+
+        static Gap after(double opened) {
+            return opened > kept ? Gap() : Gap{Is::open, std::max(usedUp, opened)};
+        }
+        bool isKnown() const { return is == Is::closed || is == Is::open; }
+        bool isUsedUp() const { return is == Is::closed || (is == Is::open && width <= usedUp); }
+        // In checkpoints and for users: how far it is open, 0: closed, -1: placed, -2: unknown.
+        double number() const { return is == Is::placed ? -1 : is == Is::unknown ? -2 : width; }
+        static Gap of(double number) {
+            if (number > 0) return {Is::open, number};
+            return {number == 0 ? Is::closed : number == -1 ? Is::placed : Is::unknown};
+        }
+    };
     // What the volume of the solids in a cell gains as a node of theirs moves, m2.
     struct Growth {
         int group, node;
@@ -164,7 +183,7 @@ template <int Dim> class SharedCells {
     template <class VelocityOf> Vec<Dim> motion(const Giver& giver, int node, VelocityOf&& velocityOf) const;
     void findGrowths(const Scene<Dim>& scene);
     void addGrowth(const Scene<Dim>& scene, Body<Dim>& body);
-    bool isBesideClosed(const Grid<Dim>& grid, int number, const std::map<int, double>& gaps) const;
+    bool isBesideClosed(const Grid<Dim>& grid, int number, const std::map<int, Gap>& gaps) const;
     std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& numbers);
     void addBoxes(const Scene<Dim>& scene, const std::vector<int>& reach, std::vector<int>& touched);
     void decide(const Scene<Dim>& scene);
@@ -206,7 +225,7 @@ template <int Dim> class SharedCells {
     SidesOfCells<Dim> sides_;
     std::map<int, Taker> takers_;
     std::map<std::pair<int, int>, double> fullness_; // of cells that were asked for, for a field
-    std::map<int, double> gaps_; // of the takers, over their volume: opened since they were closed
+    std::map<int, Gap> gaps_;                        // of the takers
     std::vector<Force> forces_, ofCells_;
 };
 

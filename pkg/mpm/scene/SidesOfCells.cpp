@@ -31,16 +31,16 @@ double ofHats(double x) {
 
 template <int Dim> void SidesOfCells<Dim>::find(const Scene<Dim>& scene, int soil) {
     planes_.clear();
-    parted_ = &scene.parted;
+    parted_ = &scene.state.parted;
     count_ = scene.grid.count;
     first_ = soil;
-    second_ = soil < 0 ? -1 : scene.parted.partnerOf(soil);
+    second_ = soil < 0 ? -1 : scene.state.parted.partnerOf(soil);
     isParted_ = nullptr;
     for (auto& body : scene.bodies)
         if (second_ >= 0 && body->velocityField == soil && body->particles.size() > 0)
-            isParted_ = scene.parted.secondCells(*body).isParted;
+            isParted_ = scene.state.parted.secondCells(*body).isParted;
     if (!isParted_) return;
-    for (const auto& wall : scene.parted.walls())
+    for (const auto& wall : scene.state.parted.walls())
         if (wall.soil == soil) add(scene, wall);
 }
 

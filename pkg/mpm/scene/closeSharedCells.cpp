@@ -94,11 +94,11 @@ template <int Dim> double SharedCells<Dim>::insideOfAll(const Scene<Dim>& scene,
 // Whether a taker stands beside one that was closed. Soil that has flowed round a body covers the cells there unevenly.
 template <int Dim>
 bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int number,
-                                      const std::map<int, double>& gaps) const {
+                                      const std::map<int, Gap>& gaps) const {
     bool isBeside = false;
     sides_.forBeside(grid, number, [&](int other, int axes, double) {
         const auto found = axes == 1 ? gaps.find(other) : gaps.end();
-        isBeside |= found != gaps.end() && found->second == 0;
+        isBeside |= found != gaps.end() && found->second.is == Gap::Is::closed;
     });
     return isBeside;
 }
@@ -175,14 +175,18 @@ void SharedCells<Dim>::addBoxes(const Scene<Dim>& scene, const std::vector<int>&
 // closed from the first step on: a body that is put in its place in soil under pressure holds this pressure. All others
 // wait until surfaces meet, see closeTouched().
 template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
-    std::map<int, double> gaps;
+    std::map<int, Gap> gaps;
     std::vector<int> asked;
     for (auto& [cell, taker] : takers_) {
         const auto before = gaps_.find(cell);
-        double& gap = gaps[cell] = before != gaps_.end() ? before->second : gaps_.empty() ? placed : unknown;
+        Gap& gap = gaps[cell];
+        if (before != gaps_.end())
+            gap = before->second;
+        else
+            gap.is = gaps_.empty() ? Gap::Is::placed : Gap::Is::unknown;
         const bool isPressed = meanStressIn(scene, cell) < 0;
-        taker.isClosed = isPressed && (gap == 0 || gap == usedUp);
-        if (gap == 0 || gap == usedUp) gap = isPressed ? 0 : usedUp;
+        taker.isClosed = isPressed && gap.isUsedUp();
+        if (gap.isUsedUp()) gap = isPressed ? Gap{Gap::Is::closed} : Gap::after(0);
         if (isPressed && !taker.isClosed) asked.push_back(cell);
     }
     const bool isFirst = gaps_.empty();
@@ -190,14 +194,14 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     for (const auto& [cell, filled] : fillings(scene, asked)) {
         takers_.at(cell).filled = filled;
         const bool isNew = !isFirst && gaps_.count(cell) == 0;
-        const bool mayGoOn =
-            isFirst || ((isNew || gaps[cell] == placed) && isBesideClosed(scene.grid, cell, gaps_));
+        const bool mayGoOn = isFirst || ((isNew || gaps[cell].is == Gap::Is::placed) &&
+                                         isBesideClosed(scene.grid, cell, gaps_));
         if (mayGoOn && filled >= (isNew ? fullBesideClosed : fullAtFirst)) closing.push_back(cell);
     }
     const auto close = [&] {
         for (int cell : closing) {
             takers_.at(cell).isClosed = true;
-            gaps[cell] = 0;
+            gaps[cell] = {Gap::Is::closed};
         }
         closing.clear();
     };
@@ -211,7 +215,7 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     close();
     gaps_.swap(gaps);
     for (const auto& [cell, taker] : takers_)
-        if (gaps_.at(cell) >= 0) tell(scene, cell, taker);
+        if (gaps_.at(cell).isKnown()) tell(scene, cell, taker);
 }
 
 // Where the groups press on each other and the cell is full. What is left of a known gap is lost then: a body that slides
@@ -224,9 +228,9 @@ template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
         return is;
     };
     for (const auto& [cell, taker] : takers_) {
-        double& gap = gaps_.at(cell);
-        const bool isFull = taker.filled >= (gap == placed ? fullAtFirst : full);
-        if (isFull && std::any_of(taker.from.begin(), taker.from.end(), touches)) gap = 0;
+        Gap& gap = gaps_.at(cell);
+        const bool isFull = taker.filled >= (gap.is == Gap::Is::placed ? fullAtFirst : full);
+        if (isFull && std::any_of(taker.from.begin(), taker.from.end(), touches)) gap = {Gap::Is::closed};
     }
 }
 
@@ -235,7 +239,7 @@ template <int Dim> double SharedCells<Dim>::meanStressIn(const Scene<Dim>& scene
     double sum = 0;
     for (auto& body : scene.bodies) {
         if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
-        if (const auto* cell = body->cellAverage.occupied(number)) sum += cell->weight * cell->mean;
+        if (const auto* cell = body->cellAverage.occupied(number)) sum += cell->weight * cell->stress;
     }
     return sum;
 }
@@ -261,7 +265,7 @@ template <int Dim> void SharedCells<Dim>::store(std::vector<double>& cells, std:
     gaps.clear();
     for (const auto& [cell, gap] : gaps_) {
         cells.push_back(cell);
-        gaps.push_back(gap);
+        gaps.push_back(gap.number());
     }
 }
 
@@ -270,7 +274,7 @@ void SharedCells<Dim>::restore(const std::vector<double>& cells, const std::vect
     clear();
     step_ = -1;
     gaps_.clear();
-    for (size_t i = 0; i < std::min(cells.size(), gaps.size()); ++i) gaps_[int(cells[i])] = gaps[i];
+    for (size_t i = 0; i < std::min(cells.size(), gaps.size()); ++i) gaps_[int(cells[i])] = Gap::of(gaps[i]);
 }
 
 template class SharedCells<2>;

@@ -20,46 +20,38 @@ class CellForces {
     // follows.
     template <int Dim> static void findMeans(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid) {
         const MeanOfStress<Dim> mean(body.particles.stress, grid);
-        body.cellAverage.template average<false>(region, body.particles.volume.plane(), mean,
-                                                 [](int, auto&) {});
+        body.cellAverage.template average<false>(
+            region, body.particles.volume.plane(), mean,
+            [](int, auto& cell, const auto& ofStress) { cell.take(ofStress); });
     }
 
-    // Then takes the part that acts by cells out of what the particles of a body give in addSum().
+    // Then what acts by the cells, and the stress that is left to the particles, for addSum().
     template <int Dim>
-    void takeOut(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid, SharedCells<Dim>& shared) {
+    ActingStress divide(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid,
+                        SharedCells<Dim>& shared) {
         const int n = body.particles.size();
-        const int axes = grid.isAxisymmetric ? 3 : Dim; // that strain
         auto& cells = body.cellAverage;
-        region.once([&] {
-            for (int k = 0; k < axes; ++k) diagonal_[k].resize(n);
-        });
+        region.once([&] { spherical_.resize(n); });
         const MeanOfStress<Dim> mean(body.particles.stress, grid);
         cells.forEach(region, [&](int c, auto& cell) {
             const bool isShared = cell.shared > 0 && !cell.isOpen;
             const double whole = isShared ? cell.shared : cell.share * cell.whole;
             const double outside = 1 - cell.inside;
             const double volume = cells.acting(cell, whole);
-            const double acting = cell.inside * volume * cell.mean;
+            const double acting = cell.inside * volume * cell.stress;
             if (isShared) shared.act(c, acting);
             cells.actByCell(c, (isShared ? 0 : acting) * cell.edges.cwiseInverse());
-            const double byParticles = outside * volume / cell.weight * cell.mean;
-            cells.give(c, [&](int, int p) { return byParticles - mean(p); });
+            const double byParticles = outside * volume / cell.weight * cell.stress;
+            cells.give(c, spherical_.data(), [&](int, int p) { return byParticles - mean(p); });
         });
         cells.actByHoles(region, grid);
-        region.chunks(n, [&](int begin, int end) {
-            cells.collect(begin, end);
-            const double* change = cells.values();
-            for (int k = 0; k < axes; ++k)
-                for (int p = begin; p < end; ++p) diagonal_[k][p] = mean.diagonal[k][p] + change[p];
-        });
-        region.once([&] {
-            for (int k = 0; k < axes; ++k) body.domains->diagonal[k] = diagonal_[k].data();
-        });
+        region.chunks(n, [&](int begin, int end) { cells.collect(begin, end, spherical_.data()); });
+        return ActingStress(body.particles.stress, spherical_.data());
     }
 
-    // Adds it to the nodes.
-    template <int Dim> void add(ParallelRegion& region, Body<Dim>& body, Grid<Dim>& grid) {
-        region.once([&] { body.domains->diagonal = {}; });
+    // Adds what acts by the cells to the nodes.
+    template <int Dim> static void add(ParallelRegion& region, const Body<Dim>& body, Grid<Dim>& grid) {
+        region.wait();
         auto* sum = grid.fields[body.velocityField].sum.data();
         body.cellAverage.forForces(region, grid, [&](int node, const Vec<Dim>& force) {
             for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum[node], k, force[k]);
@@ -67,7 +59,7 @@ class CellForces {
     }
 
   private:
-    std::vector<double> diagonal_[3]; // of the stress that acts by the particles, kPa
+    std::vector<double> spherical_; // of the particles, kPa, see ActingStress
 };
 
 } // namespace mpm

@@ -3,12 +3,11 @@
 #include "mpm/base/parallel/OrderedSum.hpp"
 #include "mpm/material/FollowingPressure.hpp"
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/BoxParts.hpp"
 #include "mpm/step/Conversion.hpp"
-#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/NeighbourMeans.hpp"
 #include "mpm/step/StressUpdate.hpp"
 #include "mpm/step/nodes.hpp"
+#include "mpm/step/pressedBoxes.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -35,14 +34,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             scene.bodies[b]->time = scene.time;
             scene.bodies[b]->step = scene.step;
             work_[b].clear(scene.bodies[b]->particles.size());
-            opens_.resize(std::max(opens_.size(), size_t(chunksOf(scene.bodies[b]->particles.size()))));
+            if (scene.bodies[b]->fbar) makeRoom(scene.bodies[b]->particles.size());
             divide(*scene.bodies[b], partitions_[b]);
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
         lacksCells_.clear(); // of bodies whose F-bar was switched on in mid-step
         for (const auto& body : scene.bodies)
             lacksCells_.push_back(body->fbar && !body->cellAverage.isLocated(body->particles.size()));
-        if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->finishMotion(scene);
+        if (auto* implicit = scene.template role<ImplicitMotion<Dim>>()) implicit->finishMotion(scene);
         auto& means = std::get<NeighbourMeans<Dim>>(means_);
         means.start(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
@@ -61,9 +60,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             region.wait();
             for (auto& body : scene.bodies)
                 if (actsByCells(*body)) CellForces::findMeans(region, *body, scene.grid);
-            sumOnNodes(region, scene, &cells_, scene.sharedCells->isWanted);
-            if (auto* pressing = scene.template find<PressingOnBoxes>())
-                region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });
+            sumOnNodes(region, scene, &cells_, scene.state.sharedCells->isWanted);
+            if (!scene.state.pressed.parts.empty()) region.once([&] { addBoxParts(scene); });
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->lastInternalWork = work_[b].total() + scene.bodies[b]->domains->finishStep();
@@ -83,8 +81,21 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
     std::tuple<NeighbourMeans<2>, NeighbourMeans<3>> means_;
-    std::vector<double> bulk_; // of the particles of the body at hand, kPa
-    std::vector<char> opens_;  // whether a chunk of the body at hand has a particle that stands open
+    // Of the particles of the body with F-bar at hand.
+    struct OfParticles {
+        std::vector<double> own, dilation; // rates of volume change: of each by itself, what F-bar adds, 1/s
+        std::vector<double> stress, gain;  // mean stress; what it gains to be linear in the cells, kPa
+        std::vector<double> bulk, elastic; // where moduli vary: modulus, kPa, and elastic strain of the gain
+        std::vector<double> open;          // volume with the opening over that of the solid
+    };
+    OfParticles its_;
+    std::vector<char> opens_; // whether a chunk of it has a particle that stands open
+
+    void makeRoom(int particles) {
+        const size_t n = std::max(its_.dilation.size(), size_t(particles));
+        for (auto* of : {&its_.own, &its_.dilation, &its_.stress, &its_.gain}) of->resize(n);
+        opens_.resize(chunksOf(int(n)));
+    }
 
     // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
     template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
@@ -109,8 +120,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim>
     static const typename NodalField<Dim>::Velocity* strainingVelocity(const Scene<Dim>& scene,
                                                                        const Body<Dim>& body) {
-        const auto* implicit = body.isImplicit ? scene.template find<ImplicitBodies>() : nullptr;
-        return implicit ? implicit->velocities(body) : scene.grid.fields[body.velocityField].velocities();
+        return isSolvedImplicitly(scene, body) ? scene.state.implicitNodes.velocities(body.velocityField)
+                                               : scene.grid.fields[body.velocityField].velocities();
     }
 
     // N axes strain. The threads do not wait for each other at the end.
@@ -127,13 +138,12 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const bool atOnce = body.material->takesWholeBody();
         const auto stresses = [&](int begin, int end) {
             means.keep(number, body, begin, end);
-            work.of(begin) =
-                updateStress<N>(body, scene.dt, begin, end, state.data(),
-                                body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
+            work.of(begin) = updateStress<N>(body, scene.dt, begin, end, state.data(),
+                                             body.fbar ? its_.dilation.data() : nullptr, actsByCells(body));
         };
         // F follows what the stress sees. So do the volumes of boxes; that of a domain is between its vertices.
         const auto rest = [&](int begin, int end) {
-            const double* dilation = body.fbar ? body.cellAverage.values() + begin : nullptr;
+            const double* dilation = body.fbar ? its_.dilation.data() + begin : nullptr;
             double advanced[chunkSize];
             if (body.domains->boxes()) advanceVolumes<N>(body, scene.dt, begin, end, dilation, advanced);
             dilation ? deform<true, N>(body.particles, scene.dt, begin, end, dilation)
@@ -158,86 +168,91 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             locateCells(region, scene, body);
             findInside(region, scene, body);
         }
-        updateFbar<N>(region, scene, body, partitions_[number], gradient, rest, wholeBody);
+        updateFbar<N>(region, scene, body, number, gradient, rest, wholeBody);
     }
 
     // With one increment of volumetric strain per cell, and the mean stress linear in it: see CellAverage.
     template <int N, int Dim, class Gradient, class Rest, class WholeBody>
-    void updateFbar(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const Partitions& partitions,
+    void updateFbar(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, int number,
                     Gradient&& gradient, Rest&& rest, WholeBody&& wholeBody) {
+        const Partitions& partitions = partitions_[number];
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         const double dt = scene.dt;
         const bool byCells = actsByCells(body);
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
-        const auto* implicit = scene.template find<ImplicitBodies>();
+        const bool hasImplicit = scene.template role<ImplicitMotion<Dim>>();
         const auto velocityOf = [&](int group, int node) { // that strains the bodies there
             Vec<Dim> v;
-            const bool isImplicit = implicit && implicit->template moves<Dim>(group, node);
+            const bool isImplicit = hasImplicit && scene.state.implicitNodes.moves(group, node);
             for (int k = 0; k < Dim; ++k)
-                v[k] = isImplicit ? implicit->template velocityAt<Dim>(group, node)[k]
+                v[k] = isImplicit ? scene.state.implicitNodes.velocityAt(group, node)[k]
                                   : scene.grid.fields[group].velocityOf(node, k);
             return v;
         };
-        double* value = cells.values();
+        double *own = its_.own.data(), *dilation = its_.dilation.data(), *stress = its_.stress.data(),
+               *gain = its_.gain.data();
         const double* volume = body.particles.volume.plane();
         region.chunks(n, partitions.gradients, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             gradient(begin, end);
             const VelocityGradient<N> L(body.particles, begin);
-            byCells ? volumeRates(L, dt, end - begin, value + begin) : traces(L, end - begin, value + begin);
+            byCells ? volumeRates(L, dt, end - begin, own + begin) : traces(L, end - begin, own + begin);
         });
-        if (byCells && scene.sharedCells->isWanted)
-            region.once([&] { scene.sharedCells->takeFluxes(scene, velocityOf); });
+        if (byCells && scene.state.sharedCells->isWanted)
+            region.once([&] { scene.state.sharedCells->takeFluxes(scene, velocityOf); });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
-        auto* const parts = partsOf(scene, body);
+        auto* const parts = scene.state.pressed.of(number);
         if (parts) region.once([&] { parts->takeFluxes(nodes); });
         const bool atOnce = body.material->takesWholeBody(); // its stress comes with wholeBody()
-        const auto of = [&](int p) { return value[p]; };
-        cells.template average<false>(region, volume, of, [&](int number, auto& cell) {
+        const auto rates = [&](int p) { return own[p]; };
+        cells.template average<false>(region, volume, rates, [&](int number, auto& cell, const auto& mean) {
             const double s = cell.inside;
-            const double shared = cell.shared > 0 ? scene.sharedCells->rate(number) : 0;
+            const double shared = cell.shared > 0 ? scene.state.sharedCells->rate(number) : 0;
+            cell.weight = mean.weight;
+            double rate = mean.value;
             if (cell.shared > 0 && !cell.isOpen)
-                cell.mean = s * shared + (1 - s) * cell.mean;
+                rate = s * shared + (1 - s) * rate;
             else if (byCells)
-                cell.mean =
-                    cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
+                rate = cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0,
+                                    rate);
             if (parts && cell.shared == 0)
-                cell.mean =
-                    parts->rate(number, cell.mean, cells.acting(cell, cell.share * cell.whole), cell.uneven);
+                rate = parts->rate(number, rate, cells.acting(cell, cell.share * cell.whole), cell.uneven);
             if (cell.shared > 0 && cell.isOpen)
-                cell.mean = scene.sharedCells->openRate(number, cell.shared, dt, cell.mean, shared);
-            cells.give(number, [&](int, int p) { return cell.mean - value[p]; });
+                rate = scene.state.sharedCells->openRate(number, cell.shared, dt, rate, shared);
+            cells.give(number, dilation, [&](int, int p) { return rate - own[p]; });
         });
         const MeanOfStress<Dim> mean(body.particles.stress, scene.grid);
         const auto takeMeans = [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) value[p] = mean(p);
+            for (int p = begin; p < end; ++p) stress[p] = mean(p);
         };
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {
                 gradient(begin, end);
-                std::fill(value + begin, value + end, 0.0);
+                std::fill(dilation + begin, dilation + end, 0.0);
                 return rest(begin, end);
             }
-            cells.collect(begin, end);
+            cells.collect(begin, end, dilation);
             const VelocityGradient<N> L(body.particles, begin);
-            if (byCells) toTraces(L, dt, end - begin, value + begin);
+            if (byCells) toTraces(L, dt, end - begin, dilation + begin);
             rest(begin, end);
             if (!atOnce) takeMeans(begin, end);
         });
         wholeBody();
-        const bool hasOpened = body.material->volumeRecord().opening >= 0 && shareOpening<N>(region, body);
+        if (body.material->volumeRecord().opening >= 0) shareOpening<N>(region, body);
         // A domain that lies in several cells would carry stress from one to the other in every step.
         if (byCells && body.domains->mesh()) return;
-        if (hasOpened || atOnce) region.chunks(n, takeMeans);
-        cells.template average<true>(region, volume, of, [](int, auto&) {});
-        cells.giveLinear(region, scene.grid);
+        if (atOnce) region.chunks(n, takeMeans);
+        const auto present = [&](int p) { return stress[p]; };
+        cells.template average<true>(region, volume, present,
+                                     [](int, auto& cell, const auto& ofStress) { cell.take(ofStress); });
+        cells.giveLinear(region, scene.grid, stress, gain);
         const auto* following = dynamic_cast<const FollowingPressure*>(body.material.get());
         if (following && following->followsPressure()) return keepElasticVolume(region, body);
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
-            cells.collect(begin, end);
-            takeLinear(body, begin, end);
+            cells.collect(begin, end, gain);
+            takeLinear(body, begin, end, gain + begin);
         });
     }
     // With moduli of the pressure, what keeps the mean stress of a cell changes its elastic volume. So each particle takes
@@ -246,85 +261,79 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim> void keepElasticVolume(ParallelRegion& region, Body<Dim>& body) {
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
-        double* value = cells.values();
-        region.once([&] { bulk_.resize(std::max(bulk_.size(), size_t(n))); });
+        region.once([&] {
+            for (auto* of : {&its_.bulk, &its_.elastic}) of->resize(std::max(of->size(), size_t(n)));
+        });
+        double *gain = its_.gain.data(), *elastic = its_.elastic.data(), *present = its_.bulk.data();
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
-            cells.collect(begin, end);
+            cells.collect(begin, end, gain);
             double half[chunkSize], bulk[3][chunkSize];
-            for (int p = begin; p < end; ++p) half[p - begin] = 0.5 * value[p];
+            for (int p = begin; p < end; ++p) half[p - begin] = 0.5 * gain[p];
             for (int part = 0; part < 3; ++part) {
                 if (part > 0) addMean(body, begin, end, half);
                 findBulk(body, begin, end, bulk[part]);
             }
             for (int i = 0; i < end - begin; ++i) {
-                value[begin + i] = half[i] / 3 * (1 / bulk[0][i] + 4 / bulk[1][i] + 1 / bulk[2][i]);
-                bulk_[begin + i] = bulk[2][i];
+                elastic[begin + i] = half[i] / 3 * (1 / bulk[0][i] + 4 / bulk[1][i] + 1 / bulk[2][i]);
+                present[begin + i] = bulk[2][i];
             }
-            addPlastic(body, begin, end, value + begin);
+            addPlastic(body, begin, end, elastic + begin);
         });
-        const auto of = [&](int p) { return value[p]; };
-        cells.template average<false>(region, body.particles.volume.plane(), of, [&](int number, auto& cell) {
-            cells.give(number, [&](int, int) { return -cell.mean; });
-        });
+        const auto of = [&](int p) { return elastic[p]; };
+        cells.template average<false>(region, body.particles.volume.plane(), of,
+                                      [&](int number, auto&, const auto& mean) {
+                                          cells.give(number, elastic, [&](int, int) { return -mean.value; });
+                                      });
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
-            cells.collect(begin, end);
-            addPlastic(body, begin, end, value + begin);
-            for (int p = begin; p < end; ++p) value[p] *= bulk_[p];
-            addMean(body, begin, end, value + begin);
+            cells.collect(begin, end, elastic);
+            addPlastic(body, begin, end, elastic + begin);
+            for (int p = begin; p < end; ++p) gain[p] = elastic[p] * present[p];
+            addMean(body, begin, end, gain + begin);
         });
-    }
-
-    // Of boxes beside rigid bodies; nullptr: there are none.
-    template <int Dim> static BoxParts<Dim>* partsOf(const Scene<Dim>& scene, const Body<Dim>& body) {
-        auto* const pressing = scene.template find<PressingOnBoxes>();
-        if (!pressing) return nullptr;
-        auto& parts = pressing->template parts<Dim>();
-        for (size_t b = 0; b < parts.size(); ++b)
-            if (scene.bodies[b].get() == &body && !parts[b].empty()) return &parts[b];
-        return nullptr;
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the
     // cell does: o = ln(sum V exp(o)/sum V), with V the solid volume, which is what a box keeps. An opening
     // is room: boxes have at most what their solid volume leaves free in the cell.
-    // Returns whether any does.
-    template <int N, int Dim> bool shareOpening(ParallelRegion& region, Body<Dim>& body) {
+    template <int N, int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const bool areBoxes = body.domains->boxes();
         const int n = body.particles.size();
-        double *opening = body.particles.state[body.material->volumeRecord().opening].plane(),
-               *share = cells.values();
+        double* opening = body.particles.state[body.material->volumeRecord().opening].plane();
         region.chunks(n, [&](int begin, int end) {
             opens_[begin / chunkSize] =
                 std::any_of(opening + begin, opening + end, [](double o) { return o > 0; });
         });
-        if (std::count(opens_.begin(), opens_.begin() + chunksOf(n), 1) == 0) return false;
+        if (std::count(opens_.begin(), opens_.begin() + chunksOf(n), 1) == 0) return;
+        region.once([&] { its_.open.resize(std::max(its_.open.size(), size_t(n))); });
+        double* open = its_.open.data();
         region.chunks(n, [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(opening[p]) : 1.0;
+            for (int p = begin; p < end; ++p) open[p] = opening[p] > 0 ? std::exp(opening[p]) : 1.0;
         });
-        const auto bulk = [&](int p) { return share[p]; };
+        const auto bulk = [&](int p) { return open[p]; };
         cells.template average<false>(
-            region, body.particles.volume.plane(), bulk, [&](int number, auto& cell) {
-                if (areBoxes)
-                    cell.mean = std::min(cell.mean, mostOpen * std::max(1.0, roomIn(cell) / cell.weight));
-                cells.give(number, [&](int, int) { return cell.mean; });
+            region, body.particles.volume.plane(), bulk, [&](int number, auto& cell, const auto& mean) {
+                const double room = mostOpen * std::max(1.0, roomIn(cell) / mean.weight);
+                const double given = areBoxes ? std::min(mean.value, room) : mean.value;
+                cells.give(number, open, [&](int, int) { return given; });
             });
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
-            cells.collect(begin, end);
+            cells.collect(begin, end, open);
+            double change[chunkSize];
             bool isChanged = false;
             for (int p = begin; p < end; ++p) {
-                const double mean = share[p], now = mean > 1 + roundOff ? std::log(mean) : 0;
-                share[p] = now - opening[p];
-                isChanged |= share[p] != 0;
+                const double now = open[p] > 1 + roundOff ? std::log(open[p]) : 0;
+                change[p - begin] = now - opening[p];
+                isChanged |= change[p - begin] != 0;
                 opening[p] = now;
             }
-            if (isChanged) areBoxes ? dilate<N>(body, begin, end, share) : contract(body, begin, end, share);
+            if (isChanged)
+                areBoxes ? dilate<N>(body, begin, end, change) : contract(body, begin, end, change);
         });
-        return true;
     }
     // Bulk over solid volume of boxes that fill a cell by their centres, which may be a tenth less than what
     // is in it. With 1 the pressure of cells with one box too many drives flows on: columns run out by 18 %
@@ -339,29 +348,28 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // The logarithm of the bulk volume of boxes [begin, end) changes by what they have gained of the opening.
     template <int N, int Dim> static void dilate(Body<Dim>& body, int begin, int end, const double* change) {
         for (int p = begin; p < end; ++p) {
-            const double edges = std::exp(change[p] / N);
+            const double edges = std::exp(change[p - begin] / N);
             for (int i = 0; i < N; ++i)
                 for (int j = 0; j < N; ++j) body.particles.deformationGradient.plane(3 * i + j)[p] *= edges;
         }
         const int plastic = body.material->volumeRecord().plasticStrain;
         if (plastic < 0) return;
         double* strain = body.particles.state[plastic].plane();
-        for (int p = begin; p < end; ++p) strain[p] += change[p];
+        for (int p = begin; p < end; ++p) strain[p] += change[p - begin];
     }
     // That of domains [begin, end) lies between their vertices: what they gain of the opening is no solid.
     template <int Dim> static void contract(Body<Dim>& body, int begin, int end, const double* change) {
-        for (int p = begin; p < end; ++p) body.particles.volume.plane()[p] *= std::exp(-change[p]);
+        for (int p = begin; p < end; ++p) body.particles.volume.plane()[p] *= std::exp(-change[p - begin]);
     }
 
     // The mean stress of particles [begin, end) becomes linear in their cells, while their volume stays: what the
     // elastic strain of one has gained, its plastic strain has lost to others of the cell.
-    template <int Dim> static void takeLinear(Body<Dim>& body, int begin, int end) {
-        double* change = body.cellAverage.values();
-        addMean(body, begin, end, change + begin);
+    template <int Dim> static void takeLinear(Body<Dim>& body, int begin, int end, const double* gain) {
+        addMean(body, begin, end, gain);
         if (body.material->volumeRecord().plasticStrain < 0) return;
         double strain[chunkSize];
         findBulk(body, begin, end, strain);
-        for (int i = 0; i < end - begin; ++i) strain[i] = change[begin + i] / strain[i];
+        for (int i = 0; i < end - begin; ++i) strain[i] = gain[i] / strain[i];
         addPlastic(body, begin, end, strain);
     }
     template <int Dim> static void findBulk(Body<Dim>& body, int begin, int end, double* bulk) {

@@ -40,7 +40,7 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
 template <int Dim>
 void foldDrivenMass(const Scene<Dim>& scene, const Body<Dim>& body, const Constraint& drive,
                     std::vector<double>& nodalMass, std::vector<int>& touched) {
-    for (const auto& image : scene.mirrors.images()) {
+    for (const auto& image : scene.state.mirrors.images()) {
         if (image.field != body.velocityField) continue;
         bool crosses = false;
         for (int k = 0; k < Dim; ++k) crosses |= image.sign[k] < 0 && std::abs(drive.velocity[k]) > 0;
@@ -54,10 +54,10 @@ void foldDrivenMass(const Scene<Dim>& scene, const Body<Dim>& body, const Constr
 
 // nodalMass: scratch, zero on entry and exit.
 template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& nodalMass) {
-    for (auto held = scene.driven.rbegin(); held != scene.driven.rend(); ++held)
+    for (auto held = scene.state.driven.rbegin(); held != scene.state.driven.rend(); ++held)
         scene.grid.fields[held->field].holder[held->node][held->axis] = held->before;
-    scene.driven.clear();
-    scene.mirrors.find(scene.grid);
+    scene.state.driven.clear();
+    scene.state.mirrors.find(scene.grid);
     std::vector<int> touched;
     for (int c = 0; c < int(scene.constraints.size()); ++c) {
         Constraint& drive = *scene.constraints[c];
@@ -73,11 +73,11 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
             const bool isDriven =
                 body.inertiaScale * nodalMass[node] > leastDriven * field.sum[node][NodalField<Dim>::mass];
             const auto isHeldByRoller = [&](int k) { // and goes on to be, where the drive does not cross it
-                return drive.velocity[k] == 0 && scene.mirrors.isRoller(field.holder[node][k]);
+                return drive.velocity[k] == 0 && scene.state.mirrors.isRoller(field.holder[node][k]);
             };
             for (int k = 0; k < Dim && isDriven; ++k)
                 if (!std::isnan(drive.velocity[k]) && !isHeldByRoller(k)) {
-                    scene.driven.push_back({body.velocityField, node, k, field.holder[node][k]});
+                    scene.state.driven.push_back({body.velocityField, node, k, field.holder[node][k]});
                     field.holder[node][k] = short(c);
                 }
             nodalMass[node] = 0;

@@ -1,10 +1,45 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include "mpm/step/GridSolver.hpp"
-
-#include "mpm/step/GridToParticle.hpp"
+// Step 3: the equation of motion on the nodes.
 #include "mpm/step/nodes.hpp"
 
 namespace mpm {
+
+class GridSolver : public EngineOf<GridSolver>, public SolvingMotion {
+  public:
+    std::vector<double> gravity;
+    double damping = 0;
+
+    std::string className() const override { return "GridSolver"; }
+    std::string doc() const override;
+    std::vector<Parameter> attributes() override;
+    void prepare(Scene<2>& scene) override { checkGravity(scene); }
+    void prepare(Scene<3>& scene) override { checkGravity(scene); }
+    double gravityAlong(int axis) const override { return gravity[axis]; }
+    double dampingOfParticles() const override { return damping; }
+
+    template <int Dim> void act(Scene<Dim>& scene);
+
+  private:
+    // Reaction, moment and work of one constraint in one slab; the last entry of a slab collects energies.
+    struct Tally {
+        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0}, work = 0, gravity = 0;
+        int nodes = 0;
+    };
+    std::vector<Tally> partial_;
+    double flip_ = 1; // of GridToParticle
+
+    template <int Dim> void checkGravity(Scene<Dim>&);
+    template <int Dim>
+    Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least,
+               Tally* tally) const;
+    template <int Dim>
+    void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Quad& v,
+              Quad& a, Tally* tally) const;
+    template <int Dim>
+    static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v,
+                      Tally& tally);
+    template <int Dim> void addUp(Scene<Dim>& scene);
+};
 
 std::string GridSolver::doc() const {
     return "Solves the equation of motion on the nodes, with gravity, local damping and prescribed "
@@ -33,14 +68,10 @@ template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
     flip_ = flipOf(scene);
     const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
     partial_.resize(size_t(slabs) * (n + 1));
-    for (auto& engine : scene.engines)
-        if (auto* ahead = dynamic_cast<ActingAhead*>(engine.get()); ahead && !engine->dead)
-            ahead->actAhead(scene);
-    scene.mirrors.fold(scene.grid, gravityOf(scene));
-    scene.parted.bond(scene);
-    for (auto& engine : scene.engines)
-        if (auto* joining = dynamic_cast<JoiningNodes*>(engine.get()); joining && !engine->dead)
-            joining->join(scene);
+    scene.template forRoles<ActingAhead>([&](ActingAhead& ahead) { ahead.actAhead(scene); });
+    scene.state.mirrors.fold(scene.grid, gravityOf(scene));
+    scene.state.parted.bond(scene);
+    scene.template forRoles<JoiningNodes>([&](JoiningNodes& joining) { joining.join(scene); });
     const double least = scene.leastMass();
     Quad g{};
     for (int k = 0; k < Dim; ++k) NF::setComponent(g, k, gravity[k]);

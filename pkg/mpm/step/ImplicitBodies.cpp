@@ -3,9 +3,8 @@
 // number.
 #include "mpm/step/ImplicitBodies.hpp"
 
-#include "mpm/step/GridSolver.hpp"
-
 #include <atomic>
+#include <numeric>
 
 namespace mpm {
 
@@ -18,8 +17,7 @@ std::string ImplicitBodies::doc() const {
            "stiffness. The scene puts it behind GridSolver. See doc/explanation/implicit-bodies.md.";
 }
 
-template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
-    if (dead) return;
+template <int Dim> void ImplicitSolution<Dim>::check(const Scene<Dim>& scene) {
     for (const auto& body : scene.bodies) {
         if (!body->isImplicit) continue;
         require(!scene.scheme->stressFirst, "body '", body->name, "': implicit=True has no meaning under ",
@@ -33,70 +31,64 @@ template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
 }
 
 // Room for all nodes, without what the step before left in it.
-template <int Dim> void ImplicitBodies::clear(const Scene<Dim>& scene, State<Dim>& state) {
-    state.scratch.resize(scene.grid.count, -1);
-    state.velocity.resize(scene.grid.fields.size());
-    for (auto& velocity : state.velocity)
-        velocity.resize(scene.grid.count, NodalField<Dim>::Velocity::zero());
-    state.owner.resize(scene.grid.fields.size());
-    for (auto& owner : state.owner) owner.resize(scene.grid.count, -1);
-    for (auto& system : state.systems)
-        for (int node : system.nodes) state.owner[system.field][node] = -1;
-    state.spare.swap(state.systems); // for their memory
-    state.systems.clear();
+template <int Dim> void ImplicitSolution<Dim>::clear(Scene<Dim>& scene) {
+    scratch_.resize(scene.grid.count, -1);
+    scene.state.implicitNodes.reset(scene.grid.fields.size(), scene.grid.count);
+    spare_.swap(systems_); // for their memory
+    systems_.clear();
 }
 
 // Of each piece of a body, the first one that it shares nodes with, over others.
-template <int Dim> std::vector<int> ImplicitBodies::groups(int fields, State<Dim>& state) {
-    const auto& pieces = state.pieces;
-    std::vector<int> group(pieces.size());
-    for (size_t i = 0; i < pieces.size(); ++i) group[i] = int(i);
+template <int Dim> std::vector<int> ImplicitSolution<Dim>::groups(int fields) {
+    std::vector<int> group(pieces_.size());
+    std::iota(group.begin(), group.end(), 0);
     for (int field = 0; field < fields; ++field) {
         const auto forEntries = [&](auto&& f) {
-            for (size_t i = 0; i < pieces.size(); ++i)
-                if (pieces[i].body->velocityField == field)
-                    for (const auto& entry : pieces[i].strained.entries) f(int(i), entry.node);
+            for (size_t i = 0; i < pieces_.size(); ++i)
+                if (pieces_[i].body->velocityField == field)
+                    for (const auto& entry : pieces_[i].strained.entries) f(int(i), entry.node);
         };
         forEntries([&](int i, int node) {
-            int& owner = state.scratch[node];
+            int& owner = scratch_[node];
             if (owner < 0) owner = i;
             if (group[owner] == group[i]) return;
             const int from = std::max(group[owner], group[i]), to = std::min(group[owner], group[i]);
             for (int& g : group)
                 if (g == from) g = to;
         });
-        forEntries([&](int, int node) { state.scratch[node] = -1; });
+        forEntries([&](int, int node) { scratch_[node] = -1; });
     }
     return group;
 }
 
 // The system of some pieces of bodies, which move with one velocity field.
 template <int Dim>
-void ImplicitBodies::addSystem(const Grid<Dim>& grid, int field,
-                               const std::vector<StrainedNodes<Dim>*>& members, State<Dim>& state) {
-    const size_t number = state.systems.size();
-    ImplicitSystem<Dim>& system = state.systems.emplace_back();
-    if (number < state.spare.size()) system = std::move(state.spare[number]);
+void ImplicitSolution<Dim>::addSystem(Scene<Dim>& scene, int field,
+                                      const std::vector<StrainedNodes<Dim>*>& members) {
+    const size_t number = systems_.size();
+    ImplicitSystem<Dim>& system = systems_.emplace_back();
+    if (number < spare_.size()) system = std::move(spare_[number]);
     system.reset(field);
     for (auto* member : members) {
         system.addMember(*member);
         for (const auto& entry : member->entries)
-            if (state.scratch[entry.node] < 0) {
-                state.scratch[entry.node] = 0;
+            if (scratch_[entry.node] < 0) {
+                scratch_[entry.node] = 0;
                 system.nodes.push_back(entry.node);
             }
     }
-    system.sortNodes(grid);
-    withNumbers(state, system, [&] { system.place(state.scratch); });
-    for (int node : system.nodes) state.owner[field][node] = int(number);
+    system.sortNodes(scene.grid);
+    withNumbers(system, [&] { system.place(scratch_); });
+    for (int node : system.nodes) scene.state.implicitNodes.setMoved(field, node);
 }
 
 // f() while scratch has the numbers of the nodes of a system.
-template <int Dim, class F>
-void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& system, F&& f) {
-    for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
+template <int Dim>
+template <class F>
+void ImplicitSolution<Dim>::withNumbers(const ImplicitSystem<Dim>& system, F&& f) {
+    for (size_t i = 0; i < system.nodes.size(); ++i) scratch_[system.nodes[i]] = int(i);
     f();
-    for (int node : system.nodes) state.scratch[node] = -1;
+    for (int node : system.nodes) scratch_[node] = -1;
 }
 
 // Whether an implicit body moves with a velocity field.
@@ -106,24 +98,24 @@ template <int Dim> bool hasBodies(const Scene<Dim>& scene, int field) {
 }
 
 // Cuts the bodies into pieces, each of which one thread looks at.
-template <int Dim> void ImplicitBodies::cut(Scene<Dim>& scene, State<Dim>& state) {
+template <int Dim> void ImplicitSolution<Dim>::cut(Scene<Dim>& scene) {
     constexpr int most = 32; // particles; few enough that small bodies keep two threads busy
     size_t count = 0;
     for (auto& body : scene.bodies)
         for (int begin = 0; body->isImplicit && begin < body->particles.size(); begin += most) {
-            if (state.pieces.size() == count) state.pieces.emplace_back();
-            auto& piece = state.pieces[count++];
+            if (pieces_.size() == count) pieces_.emplace_back();
+            Piece& piece = pieces_[count++];
             piece.body = body.get();
             piece.begin = begin;
             piece.end = std::min(begin + most, body->particles.size());
         }
-    state.pieces.resize(count);
+    pieces_.resize(count);
 }
 
 // Finds what strains a piece.
 template <int Dim>
-void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least,
-                          Piece<Dim>& piece) {
+void ImplicitSolution<Dim>::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least,
+                                 Piece& piece) {
     const auto& nodal = scene.grid.fields[piece.body->velocityField];
     piece.strained.find(
         *piece.body, piece.begin, piece.end, gravityOf(scene),
@@ -132,29 +124,26 @@ void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, d
 }
 
 // What shares a node belongs to one system.
-template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
-    const std::vector<int> group = groups(int(scene.grid.fields.size()), state);
+template <int Dim> void ImplicitSolution<Dim>::findSystems(Scene<Dim>& scene) {
+    const std::vector<int> group = groups(int(scene.grid.fields.size()));
     std::vector<std::vector<StrainedNodes<Dim>*>> members(group.size());
     for (size_t i = 0; i < group.size(); ++i)
-        if (!state.pieces[i].strained.entries.empty()) members[group[i]].push_back(&state.pieces[i].strained);
+        if (!pieces_[i].strained.entries.empty()) members[group[i]].push_back(&pieces_[i].strained);
     for (size_t first = 0; first < group.size(); ++first)
-        if (!members[first].empty())
-            addSystem(scene.grid, state.pieces[first].body->velocityField, members[first], state);
+        if (!members[first].empty()) addSystem(scene, pieces_[first].body->velocityField, members[first]);
 }
 
 // Threads take the pieces as they come, and the one that does the last piece goes on with the solution. Another one
 // does meanwhile what it can of the next engine.
-template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
-    State<Dim>& state = std::get<State<Dim>>(states_);
-    cut(scene, state);
-    clear(scene, state);
-    const int count = int(state.pieces.size());
+template <int Dim> void ImplicitSolution<Dim>::find(Scene<Dim>& scene, LookingAhead* next) {
+    cut(scene);
+    clear(scene);
+    const int count = int(pieces_.size());
     if (count == 0) return;
     const double least = scene.leastMass();
-    state.rigidRows.resize(scene.grid.fields.size());
+    rigidRows_.resize(scene.grid.fields.size());
     for (size_t f = 0; f < scene.grid.fields.size(); ++f)
-        if (hasBodies(scene, int(f))) state.rigidRows[f].find(scene.grid, scene.grid.fields[f], least);
-    auto* const next = scene.threads > 1 ? scene.template next<LookingAhead>(*this) : nullptr;
+        if (hasBodies(scene, int(f))) rigidRows_[f].find(scene.grid, scene.grid.fields[f], least);
     WorkPartition each;
     each.set(scene.threads, [](int) { return 1.0; });
     std::atomic<int> begun{0}, done{0};
@@ -162,18 +151,18 @@ template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
         region.forPieces(each, [&](int thread) {
             if (next && thread == scene.threads - 1) next->lookAhead(scene);
             for (int i = begun++; i < count; i = begun++) {
-                auto& piece = state.pieces[i];
-                look(scene, state.rigidRows[piece.body->velocityField], least, piece);
-                if (++done == count) solve(scene, state);
+                Piece& piece = pieces_[i];
+                look(scene, rigidRows_[piece.body->velocityField], least, piece);
+                if (++done == count) solve(scene);
             }
         });
     });
 }
 
-template <int Dim> void ImplicitBodies::solve(Scene<Dim>& scene, State<Dim>& state) {
-    findSystems(scene, state);
+template <int Dim> void ImplicitSolution<Dim>::solve(Scene<Dim>& scene) {
+    findSystems(scene);
     const Vec<Dim> gravity = gravityOf(scene);
-    for (auto& system : state.systems)
+    for (auto& system : systems_)
         if (!system.solve(scene, gravity))
             throw RunError(
                 message("step ", scene.step,
@@ -182,62 +171,52 @@ template <int Dim> void ImplicitBodies::solve(Scene<Dim>& scene, State<Dim>& sta
                         "lower dt"));
 }
 
-template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
-    const auto& owner = std::get<State<Dim>>(states_).owner;
-    return owner[field][node] >= 0;
-}
-
-template <int Dim> void ImplicitBodies::place(ImpulseResponse<Dim>& response) {
-    State<Dim>& state = std::get<State<Dim>>(states_);
-    response.bodies.resize(state.systems.size());
-    for (size_t s = 0; s < state.systems.size(); ++s)
-        withNumbers(state, state.systems[s],
-                    [&] { state.systems[s].place(response, int(s), state.scratch); });
+template <int Dim> void ImplicitSolution<Dim>::place(ImpulseResponse<Dim>& response) {
+    response.bodies.resize(systems_.size());
+    for (size_t s = 0; s < systems_.size(); ++s)
+        withNumbers(systems_[s], [&] { systems_[s].place(response, int(s), scratch_); });
 }
 
 template <int Dim>
-void ImplicitBodies::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) {
-    auto& systems = std::get<State<Dim>>(states_).systems;
-    for (size_t s = 0; s < systems.size(); ++s) {
-        int first = systems[s].unknowns();
+void ImplicitSolution<Dim>::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) {
+    for (size_t s = 0; s < systems_.size(); ++s) {
+        int first = systems_[s].unknowns();
         for (const auto& asked : response.nodes)
             if (asked.body == int(s)) first = std::min(first, asked.unknown);
-        if (first < systems[s].unknowns()) systems[s].start(scene, response.bodies[s], first, span);
+        if (first < systems_[s].unknowns()) systems_[s].start(scene, response.bodies[s], first, span);
     }
 }
 
 template <int Dim>
-void ImplicitBodies::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
-                            const std::vector<Vec<Dim>>& impulses, std::vector<Vec<Dim>>& changes) {
-    auto& systems = std::get<State<Dim>>(states_).systems;
-    for (size_t s = 0; s < systems.size(); ++s) systems[s].answer(scene, response, int(s), impulses, changes);
+void ImplicitSolution<Dim>::answer(const Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                                   const Vectors& impulses, Vectors& changes) {
+    for (size_t s = 0; s < systems_.size(); ++s)
+        systems_[s].answer(scene, response, int(s), impulses, changes);
 }
 
 template <int Dim>
-void ImplicitBodies::strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
-                            const std::vector<Vec<Dim>>& impulses) {
-    auto& systems = std::get<State<Dim>>(states_).systems;
-    for (size_t s = 0; s < systems.size(); ++s) systems[s].strain(scene, response, int(s), impulses);
+void ImplicitSolution<Dim>::strain(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                                   const Vectors& impulses) {
+    for (size_t s = 0; s < systems_.size(); ++s) systems_[s].strain(scene, response, int(s), impulses);
 }
 
 template <int Dim>
-void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
-                          const std::vector<Vec<Dim>>& given, const std::vector<Vec<Dim>>& unfelt) {
-    State<Dim>& state = std::get<State<Dim>>(states_);
+void ImplicitSolution<Dim>::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                                 const Vectors& given, const Vectors& unfelt) {
     const Vec<Dim> gravity = gravityOf(scene);
-    for (auto& system : state.systems) {
+    for (auto& system : systems_) {
         std::vector<typename ImplicitSystem<Dim>::Impulse> impulses;
         for (size_t i = 0; i < response.nodes.size(); ++i) {
             const auto& asked = response.nodes[i];
-            if (&system == &state.systems[asked.body]) impulses.push_back({asked.node, given[i], unfelt[i]});
+            if (&system == &systems_[asked.body]) impulses.push_back({asked.node, given[i], unfelt[i]});
         }
         if (impulses.empty()) continue;
-        withNumbers(state, system, [&] { system.take(scene, gravity, impulses, state.scratch); });
+        withNumbers(system, [&] { system.take(scene, gravity, impulses, scratch_); });
     }
 }
 
-template <int Dim> void ImplicitBodies::strainNeighbours(Scene<Dim>& scene) const {
-    for (const auto& system : std::get<State<Dim>>(states_).systems) {
+template <int Dim> void ImplicitSolution<Dim>::strainNeighbours(Scene<Dim>& scene) const {
+    for (const auto& system : systems_) {
         if (!mixesImplicit(scene, system.field)) continue;
         auto& field = scene.grid.fields[system.field];
         for (int node : system.nodes)
@@ -245,39 +224,21 @@ template <int Dim> void ImplicitBodies::strainNeighbours(Scene<Dim>& scene) cons
     }
 }
 
-template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
-    State<Dim>& state = std::get<State<Dim>>(states_);
-    for (auto& system : state.systems) system.addEnergies(scene);
+template <int Dim> void ImplicitSolution<Dim>::finishMotion(Scene<Dim>& scene) {
+    for (auto& system : systems_) system.addEnergies(scene);
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         if (!hasBodies(scene, int(f))) continue;
         const auto& field = scene.grid.fields[f];
         for (int slab = 0; slab < scene.grid.slabs(); ++slab)
             scene.grid.forNodes(field, slab, [&](int node) {
-                for (int k = 0; k < Dim; ++k) state.velocity[f][node].set(k, field.motion[node][k]);
+                for (int k = 0; k < Dim; ++k)
+                    scene.state.implicitNodes.setVelocity(int(f), node, k, field.motion[node][k]);
             });
     }
 }
 
-template void ImplicitBodies::strainNeighbours(Scene<2>&) const;
-template void ImplicitBodies::strainNeighbours(Scene<3>&) const;
-template void ImplicitBodies::finishMotion(Scene<2>&);
-template void ImplicitBodies::finishMotion(Scene<3>&);
-template bool ImplicitBodies::moves<2>(int, int) const;
-template bool ImplicitBodies::moves<3>(int, int) const;
-template void ImplicitBodies::place(ImpulseResponse<2>&);
-template void ImplicitBodies::place(ImpulseResponse<3>&);
-template void ImplicitBodies::start(const Scene<2>&, ImpulseResponse<2>&, int);
-template void ImplicitBodies::start(const Scene<3>&, ImpulseResponse<3>&, int);
-template void ImplicitBodies::answer(const Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
-                                     std::vector<Vec<2>>&);
-template void ImplicitBodies::answer(const Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,
-                                     std::vector<Vec<3>>&);
-template void ImplicitBodies::strain(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&);
-template void ImplicitBodies::strain(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&);
-template void ImplicitBodies::take(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
-                                   const std::vector<Vec<2>>&);
-template void ImplicitBodies::take(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,
-                                   const std::vector<Vec<3>>&);
+template class ImplicitSolution<2>;
+template class ImplicitSolution<3>;
 
 MPM_REGISTER(Engine, ImplicitBodies);
 

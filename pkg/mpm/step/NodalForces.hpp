@@ -49,7 +49,7 @@ template <int Dim> class NodalForces {
         Vec<Dim> v, sign = Vec<Dim>::Ones();
         const auto& sums = scene_->grid.fields[field].sum;
         if (!(sums[node][NF::mass] > 0))
-            for (const auto& image : scene_->mirrors.images())
+            for (const auto& image : scene_->state.mirrors.images())
                 if (image.field == field && image.ghost == node) {
                     node = image.node, sign = image.sign;
                     break;

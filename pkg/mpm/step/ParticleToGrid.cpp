@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Step 1 and 2: where the particles are, and their mass, momentum and forces on the nodes.
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/BoxParts.hpp"
 #include "mpm/step/Driving.hpp"
 #include "mpm/step/EvenCover.hpp"
 #include "mpm/step/nodes.hpp"
+#include "mpm/step/pressedBoxes.hpp"
 
 namespace mpm {
 
@@ -23,17 +23,17 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
         for (auto& body : scene.bodies)
             if (auto* boxes = body->domains->boxes(); boxes && boxes->splitStretched()) body->massesChanged();
         even_.act(scene);
-        auto* const pressing = scene.template find<PressingOnBoxes>();
+        const bool arePressed = scene.template role<PressingOnBoxes>();
+        if (!arePressed) scene.state.pressed.parts.clear();
         const bool withForce = !scene.scheme->stressFirst;
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies) refuseNoMatter(region, *body, scene.step);
             locateParticles(region, scene, true);
             if (region.failed()) return;
             locateCells(region, scene);
-            if (pressing) region.once([&] { findBoxParts(scene, *pressing); });
-            sumOnNodes(region, scene, withForce ? &cells_ : nullptr, scene.sharedCells->isWanted);
-            if (pressing && withForce)
-                region.once([&] { addBoxParts(scene, pressing->template parts<Dim>()); });
+            if (arePressed) region.once([&] { findBoxParts(scene); });
+            sumOnNodes(region, scene, withForce ? &cells_ : nullptr, scene.state.sharedCells->isWanted);
+            if (arePressed && withForce) region.once([&] { addBoxParts(scene); });
         });
         for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;
         holdDrivenNodes(scene, drivenMass_);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The balance of pore water: cells with an unknown, what flows between them and through faces, and what an impulse on a
 // node changes.
-#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/PoreWater.hpp"
 #include "mpm/step/timeTable.hpp"
 
@@ -113,7 +112,7 @@ template <int Dim> void PoreWater::addActing(State<Dim>& state, const WetBody<Di
 // Ghost nodes behind rollers move as their images before them.
 template <int Dim> void PoreWater::mirrorParts(Scene<Dim>& scene, State<Dim>& state) {
     std::map<int, const typename MirrorNodes<Dim>::Image*> images;
-    for (const auto& image : scene.mirrors.find(scene.grid))
+    for (const auto& image : scene.state.mirrors.find(scene.grid))
         if (image.field == state.field) images[image.ghost] = &image;
     if (images.empty()) return;
     for (auto& part : state.system.parts)
@@ -129,7 +128,7 @@ template <int Dim>
 double PoreWater::actingVolume(const Scene<Dim>& scene, const State<Dim>& state, int number) {
     const Grid<Dim>& grid = scene.grid;
     const double whole = grid.volume(number);
-    if (scene.sharedCells->isClosed(number))
+    if (scene.state.sharedCells->isClosed(number))
         for (const auto& wet : state.fill.wet)
             if (const auto* average = wet.body->cellAverage.occupied(number); average && average->inside == 1)
                 return whole;
@@ -336,7 +335,7 @@ template <int Dim> void PoreWater::findMovers(const Scene<Dim>& scene, State<Dim
 // What an impulse changes in the mean velocity of a node. Implicit bodies answer by all of their nodes.
 template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state) {
     using NF = NodalField<Dim>;
-    auto* const implicit = scene.template find<ImplicitBodies>();
+    auto* const implicit = scene.template role<ImplicitMotion<Dim>>();
     state.response.nodes.clear();
     auto& system = state.system;
     for (auto& node : system.nodes) node.step = Vec<Dim>::Zero();
@@ -344,7 +343,7 @@ template <int Dim> void PoreWater::setSteps(Scene<Dim>& scene, State<Dim>& state
     for (Mover<Dim>& mover : state.movers) {
         auto& node = system.nodes[mover.node];
         const auto& field = scene.grid.fields[mover.group];
-        if (implicit && implicit->template moves<Dim>(mover.group, node.number)) {
+        if (implicit && scene.state.implicitNodes.moves(mover.group, node.number)) {
             mover.stiff = int(state.response.nodes.size());
             state.response.nodes.push_back({mover.group, node.number});
         }

@@ -34,7 +34,7 @@ template <int Dim> class PoreSolids {
 
     void find(const Scene<Dim>& scene, int soil, const PoreFill<Dim>& fill) {
         clear();
-        shared_ = scene.sharedCells.get();
+        shared_ = scene.state.sharedCells.get();
         if (scene.grid.fields.size() < 2) return;
         makeRoom(scene);
         for (auto& body : scene.bodies) // of all particles

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/PoreWater.hpp"
 
-#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/timeTable.hpp"
 
 #include <algorithm>
@@ -288,7 +287,7 @@ template <int Dim> void PoreWater::addWork(Scene<Dim>& scene, const Mover<Dim>& 
 template <int Dim> void PoreWater::moveStiff(Scene<Dim>& scene, State<Dim>& state) {
     findImpulses(scene, state, state.acting);
     const std::vector<Vec<Dim>> none(state.impulses.size(), Vec<Dim>::Zero());
-    scene.template find<ImplicitBodies>()->take(scene, state.response, state.impulses, none);
+    scene.template role<ImplicitMotion<Dim>>()->take(scene, state.response, state.impulses, none);
     for (const Mover<Dim>& mover : state.movers)
         if (mover.stiff >= 0) addWork(scene, mover, state.system.nodes[mover.node].number);
 }
@@ -319,7 +318,7 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     }
     if (!state.response.nodes.empty()) {
         findImpulses(scene, state, state.acting);
-        scene.template find<ImplicitBodies>()->strain(scene, state.response, state.impulses);
+        scene.template role<ImplicitMotion<Dim>>()->strain(scene, state.response, state.impulses);
     }
     for (size_t i = 0; i + 1 < debt.size(); i += 2) state.owed[int(debt[i])] = 0;
     for (int c = 0; c < system.unknowns; ++c) state.owed[state.numbers[c]] = -state.residual[c];

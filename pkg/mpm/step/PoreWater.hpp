@@ -3,7 +3,7 @@
 // Contact, and once more behind VelocityRemap: see doc/theory/water.md.
 #pragma once
 
-#include "mpm/step/GridSolver.hpp"
+#include "mpm/scene/Scene.hpp"
 #include "mpm/step/ImpulseResponse.hpp"
 #include "mpm/step/PoreMatrix.hpp"
 #include "mpm/step/PoreSolids.hpp"

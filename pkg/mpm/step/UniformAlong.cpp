@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Ground that repeats itself along an axis and has no end there: an infinite slope, a chute, a layer that is sheared, a
 // model whose sides are tied.
-#include "mpm/step/GridSolver.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include "mpm/step/VelocityRemap.hpp"
-
-#include "mpm/step/GridSolver.hpp"
-#include "mpm/step/ImplicitBodies.hpp"
+// The velocity that strains the particles, from their own momentum: behind GridToParticle under MUSL, behind
+// ParticleToGrid under USF. The scene puts it into the chain.
 #include "mpm/step/nodes.hpp"
 
 namespace mpm {
+
+class VelocityRemap : public EngineOf<VelocityRemap>, public TakingMomenta {
+  public:
+    std::string className() const override { return "VelocityRemap"; }
+    std::string doc() const override;
+    template <int Dim> void act(Scene<Dim>& scene);
+};
 
 namespace {
 
@@ -23,7 +28,7 @@ void clearMomentum(ParallelRegion& region, const Scene<Dim>& scene, NodalField<D
 template <int Dim> void foldMomenta(Scene<Dim>& scene) {
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         auto& field = scene.grid.fields[f];
-        scene.mirrors.foldValues(
+        scene.state.mirrors.foldValues(
             int(f), [&](int ghost, int k) { return field.velocityOf(ghost, k); },
             [&](int node, int k, double p) { field.setVelocity(node, k, field.velocityOf(node, k) + p); });
     }
@@ -64,7 +69,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
     const bool isCleared = isGiven || fields.front().straining == Straining::noMomentum; // by GridSolver
     for (auto& field : fields)
         if (!isCleared) field.straining = Straining::noMomentum;
-    if (!isCleared) scene.mirrors.fold(scene.grid, gravityOf(scene));
+    if (!isCleared) scene.state.mirrors.fold(scene.grid, gravityOf(scene));
     parallel(scene.threads, [&](ParallelRegion& region) {
         for (auto& field : fields)
             if (!isCleared) clearMomentum(region, scene, field);
@@ -74,16 +79,14 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
                                     {scene.dt, 1, 0, body->inertiaScale});
         region.once([&] {
             foldMomenta(scene);
-            scene.parted.bondMomenta(scene);
+            scene.state.parted.bondMomenta(scene);
         });
         for (auto& field : fields) momentumToVelocity(region, scene, field);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
-    for (auto& engine : scene.engines)
-        if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
-            coupling->couple(scene);
-    if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
-    scene.parted.tellVelocity(scene);
+    scene.template forRoles<VelocityCoupling>([&](VelocityCoupling& coupling) { coupling.couple(scene); });
+    if (auto* implicit = scene.template role<ImplicitMotion<Dim>>()) implicit->strainNeighbours(scene);
+    scene.state.parted.tellVelocity(scene);
     for (size_t f = 0; f < fields.size(); ++f) reflectVelocity(scene, int(f));
 }
 

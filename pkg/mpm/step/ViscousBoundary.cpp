@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A face of the grid behind which the ground goes on: waves leave through it, and a motion may come in.
-#include "mpm/step/GridSolver.hpp"
 #include "mpm/step/NodalForces.hpp"
 #include "mpm/step/timeTable.hpp"
 

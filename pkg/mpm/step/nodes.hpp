@@ -16,7 +16,7 @@ void forActiveNodes(ParallelRegion& region, const Scene<Dim>& scene, const Nodal
 // The images of nodes behind rollers strain particles as the nodes before them do.
 template <int Dim> void reflectVelocity(Scene<Dim>& scene, int f) {
     auto& field = scene.grid.fields[f];
-    scene.mirrors.reflectValues(
+    scene.state.mirrors.reflectValues(
         f, [&](int node, int k) { return field.velocityOf(node, k); },
         [&](int ghost, int k, double v) { field.setVelocity(ghost, k, v); });
 }
@@ -27,18 +27,18 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
         for (auto& body : scene.bodies) body->domains->locate(region);
         region.wait();
         region.once([&] {
-            scene.sorted = false;
+            scene.state.sorted = false;
             if (region.failed()) return;
-            for (auto& body : scene.bodies) scene.sorted |= body->domains->resort();
-            if (scene.sorted) return;
+            for (auto& body : scene.bodies) scene.state.sorted |= body->domains->resort();
+            if (scene.state.sorted) return;
             for (auto& field : scene.grid.fields) field.forgetExtents();
             for (auto& body : scene.bodies)
                 body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
-            scene.parted.divide(scene, mayDecide);
+            scene.state.parted.divide(scene, mayDecide);
             for (auto& field : scene.grid.fields) field.partitionNodes();
-            scene.located = true;
+            scene.state.located = true;
         });
-    } while (scene.sorted);
+    } while (scene.state.sorted);
 }
 
 // Of some cells, sorted, those with a corner that the bodies of a field give no mass to.
@@ -114,7 +114,7 @@ template <int Dim> void locateCells(ParallelRegion& region, const Scene<Dim>& sc
     const auto* boxes = body.domains->boxes();
     const double half = boxes ? boxes->halfSize()[0] : 0;
     body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes, half,
-                            scene.parted.secondCells(body));
+                            scene.state.parted.secondCells(body));
 }
 
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of
@@ -138,21 +138,23 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
         auto& body = *scene.bodies[b];
         auto& field = scene.grid.fields[body.velocityField];
         const bool byCells = withForce && actsByCells(body);
-        if (byCells) (*cells)[b].takeOut(region, body, scene.grid, *scene.sharedCells);
-        body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
-        if (byCells) (*cells)[b].add(region, body, scene.grid);
+        const ActingStress stress =
+            byCells ? (*cells)[b].divide(region, body, scene.grid, *scene.state.sharedCells)
+                    : ActingStress(body.particles.stress);
+        body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce ? &stress : nullptr);
+        if (byCells) CellForces::add(region, body, scene.grid);
     };
     // Which cells are shared depends on the masses of the bodies that do not act by cells: those come first then.
     const auto comesLater = [&](const Body<Dim>& body) { return isShared && actsByCells(body); };
     for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (!comesLater(*scene.bodies[b])) add(b);
     if (!isShared) return;
-    region.once([&] { scene.sharedCells->find(scene); });
+    region.once([&] { scene.state.sharedCells->find(scene); });
     for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (comesLater(*scene.bodies[b])) add(b);
     region.once([&] {
-        scene.sharedCells->takeVolumes(scene);
-        if (withForce) scene.sharedCells->addForces(scene);
+        scene.state.sharedCells->takeVolumes(scene);
+        if (withForce) scene.state.sharedCells->addForces(scene);
     });
 }
 

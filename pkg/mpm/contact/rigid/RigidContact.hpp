@@ -5,7 +5,6 @@
 
 #include "mpm/contact/rigid/findRigidContacts.hpp"
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/BoxParts.hpp"
 
 #include <optional>
 

@@ -15,7 +15,6 @@
 
 #include "mpm/contact/rigid/RigidMass.hpp"
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/GridSolver.hpp"
 
 namespace mpm {
 

@@ -90,8 +90,9 @@ template <int Dim, bool isRound> struct alignas(64) GivenByDomains {
     double bodyForce[Dim][most];                     // times w
     typename HourglassControl<Dim>::OfBatch control; // times gamma
 
-    void takeRing(const double* volume, const double* sigmaTheta, int count) {
-        for (int p = 0; isRound && p < count; ++p) ring[p] = -volume[p] * sigmaTheta[p];
+    void takeRing(const double* volume, const ActingStress& stress, int first, int count) {
+        for (int p = 0; isRound && p < count; ++p)
+            ring[p] = -volume[first + p] * stress.diagonal(2, first + p);
     }
     // To plane k of corner a.
     template <bool isPatterned> MPM_INLINE double toCorner(const Shapes& d, int a, int k, int p) const {

@@ -61,11 +61,11 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
 
     // Domains -> vertices -> nodes.
     void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
-                bool withForce) override {
+                const ActingStress* stress) override {
         if (!isCleared_) carried_.clear(region);
         grid.inGeometry([&](auto isRound) {
-            this->template sumAtVertices<isRound>(region, inertiaScale, withForce,
-                                                  particles.hasBodyForce && withForce);
+            this->template sumAtVertices<isRound>(region, inertiaScale, stress,
+                                                  particles.hasBodyForce && stress);
         });
         carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
     }
@@ -73,7 +73,9 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     void internalForces(const std::function<void(int, const Vec<Dim>&)>& each) override {
         ParallelRegion alone;
         carried_.clear(alone);
-        grid.inGeometry([&](auto isRound) { this->template sumAtVertices<isRound>(alone, 1, true, false); });
+        const ActingStress stress(particles.stress);
+        grid.inGeometry(
+            [&](auto isRound) { this->template sumAtVertices<isRound>(alone, 1, &stress, false); });
         alone.rethrow();
         const auto force = carried_.template planes<Dim>(Carried::force);
         for (int v = 0; v < mesh_.vertices.size(); ++v) {
@@ -86,17 +88,17 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
   private:
     // What the domains give to their vertices, which have to be clear.
     template <bool isRound>
-    void sumAtVertices(ParallelRegion& region, double inertiaScale, bool withForce, bool hasBodyForce) {
+    void sumAtVertices(ParallelRegion& region, double inertiaScale, const ActingStress* stress,
+                       bool hasBodyForce) {
         const Planes q(particles);
-        const auto stress = Base::stressPlanes();
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const BatchShapes<Dim, isRound> d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim, isRound> given;
             q.momenta(batch.first, batch.count, inertiaScale, given.momentum);
-            if (withForce) {
-                q.tension(batch.first, batch.count, stress.data(), given.tension);
-                given.takeRing(q.volume + batch.first, stress[8] + batch.first, batch.count);
+            if (stress) {
+                q.tension(batch.first, batch.count, *stress, given.tension);
+                given.takeRing(q.volume, *stress, batch.first, batch.count);
             } else {
                 std::memset(given.ring, 0, sizeof given.ring);
                 std::memset(given.tension, 0, sizeof given.tension);
@@ -104,7 +106,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             }
             const auto add = [&](auto isPatterned) {
                 if (isPatterned) given.control.take(batch, deformed);
-                if (withForce) hourglass_.template resist<isPatterned>(batch, d, given.control);
+                if (stress) hourglass_.template resist<isPatterned>(batch, d, given.control);
                 batch.addToCorners(carried_.template planes<Carried::sums>(0),
                                    [&](int a, int k, int p) MPM_INLINE_LAMBDA {
                                        return given.template toCorner<isPatterned>(d, a, k, p);
@@ -122,7 +124,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             region.once([&] {
                 beam_.addSpin(mesh_, particles, inertiaScale,
                               carried_.template planes<Dim>(Carried::momentum).data());
-                if (withForce)
+                if (stress)
                     beam_.addForces(mesh_, particles, carried_.template planes<Dim>(Carried::force).data());
             });
     }
@@ -184,13 +186,14 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     template <bool isRound>
     void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) {
         const Planes q(particles);
+        const ActingStress stress(tensor);
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         carried_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const BatchShapes<Dim, isRound> d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim, isRound> given;
-            q.tension(batch.first, batch.count, tensor, given.tension);
-            given.takeRing(q.volume + batch.first, tensor[8] + batch.first, batch.count);
+            q.tension(batch.first, batch.count, stress, given.tension);
+            given.takeRing(q.volume, stress, batch.first, batch.count);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
             const auto add = [&](auto isPatterned) {
                 if (isPatterned) given.control.take(batch, deformed);

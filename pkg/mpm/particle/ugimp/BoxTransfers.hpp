@@ -21,19 +21,19 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
-                bool withForce) override {
+                const ActingStress* stress) override {
         const Planes q(particles);
-        const auto stress = Base::stressPlanes();
+        const ActingStress own(particles.stress); // for lanes that are cleared then
         const bool hasBodyForce = particles.hasBodyForce;
         forBatches(region, [&](int first, int count, const Weights& w) {
             Quad value[batch];
             typename L::Set B[batch];
             q.values(first, count, inertiaScale, value);
-            q.forces(first, count, stress.data(), B);
-            if (!withForce)
+            q.forces(first, count, stress ? *stress : own, B);
+            if (!stress)
                 for (auto& b : B)
                     for (int k = 0; k < (Dim == 2 ? 1 : 3); ++k) b[k] = Quad{};
-            scatter(nodes, first, count, w, value, B, withForce ? stress[8] : nullptr);
+            scatter(nodes, first, count, w, value, B, stress);
             if (hasBodyForce) {
                 double given[Dim][batch];
                 q.bodyForces(first, count, given);
@@ -45,12 +45,13 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
 
     void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
+        const ActingStress stress(tensor);
         forBatches(region, [&](int first, int count, const Weights& w) {
             Quad value[batch];
             typename L::Set B[batch];
             std::fill(value, value + count, Quad{});
-            q.forces(first, count, tensor, B);
-            scatter(nodes, first, count, w, value, B, tensor[8]);
+            q.forces(first, count, stress, B);
+            scatter(nodes, first, count, w, value, B, &stress);
         });
     }
 
@@ -266,14 +267,14 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     // First Quad of node += phi * value, second one += B grad phi; with axial symmetry its radial force also
-    // -= phi V sigma_theta/r. sigmaTheta: nullptr for no force.
+    // -= phi V sigma_theta/r. stress: nullptr for no force.
     MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w,
-                            const Quad* value, const typename L::Set* B, const double* sigmaTheta) const {
+                            const Quad* value, const typename L::Set* B, const ActingStress* stress) const {
         grid.inGeometry([&](auto isRound) {
             double hoop[isRound ? batch : 1] = {};
-            for (int p = 0; isRound && sigmaTheta && p < count; ++p)
-                hoop[p] =
-                    -particles.volume.plane()[first + p] * sigmaTheta[first + p] * overRadius_[first + p];
+            for (int p = 0; isRound && stress && p < count; ++p)
+                hoop[p] = -particles.volume.plane()[first + p] * stress->diagonal(2, first + p) *
+                          overRadius_[first + p];
             this->template scatter<isRound>(nodes, first, count, w, value, B, hoop);
         });
     }

@@ -9,12 +9,11 @@
 // that press on the faces of boxes. At a free surface there is no mean stress that could count twice.
 #pragma once
 
-#include "mpm/scene/Scene.hpp"
+#include "mpm/scene/Body.hpp"
 #include "mpm/state/Bins.hpp"
 #include "mpm/state/cover.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <utility>
 
@@ -25,7 +24,7 @@ namespace mpm {
 template <int Dim> class MarkedCells {
   public:
     void reset(const Grid<Dim>& grid) {
-        for (int cell : cells_) mark_[cell] = 0;
+        for (int cell : cells_) mark_[cell] = Mark::none;
         cells_.clear();
         edges_.clear();
         mark_.resize(grid.count);
@@ -34,8 +33,8 @@ template <int Dim> class MarkedCells {
         outermost_ = 0;
     }
     void add(int cell) {
-        if (!mark_[cell]) cells_.push_back(cell);
-        mark_[cell] = 1;
+        if (mark_[cell] == Mark::none) cells_.push_back(cell);
+        mark_[cell] = Mark::marked;
     }
     // Marks the cells round the outermost ones, too.
     void widen(const Grid<Dim>& grid) {
@@ -56,23 +55,25 @@ template <int Dim> class MarkedCells {
             if (!mayBe(cell)) continue;
             const double inside = inside_[cell];
             if (!anyAround(grid, cell, [&](int other) { return inside_[other] != inside; })) continue;
-            if (i < outermost_ || !anyAround(grid, cell, [&](int other) { return !mark_[other]; }))
+            if (i < outermost_ ||
+                !anyAround(grid, cell, [&](int other) { return mark_[other] == Mark::none; }))
                 edges_.push_back(cell);
         }
         std::sort(edges_.begin(), edges_.end());
         for (size_t e = 0; e < edges_.size(); ++e) {
-            mark_[edges_[e]] = 2;
+            mark_[edges_[e]] = Mark::edge;
             number_[edges_[e]] = int(e);
         }
     }
     const std::vector<int>& edges() const { return edges_; } // their numbers rise
-    bool isEdge(int cell) const { return mark_[cell] == 2; }
+    bool isEdge(int cell) const { return mark_[cell] == Mark::edge; }
     int numberOf(int edge) const { return number_[edge]; }
     double inside(int cell) const { return inside_[cell]; }
     bool empty() const { return cells_.empty(); }
 
   private:
-    std::vector<char> mark_;     // 0: none, 1: marked, 2: an edge, too
+    enum class Mark : char { none, marked, edge };
+    std::vector<Mark> mark_;     // an edge is marked, too
     std::vector<double> inside_; // s, of marked ones
     std::vector<int> number_;    // of edges, among them
     std::vector<int> cells_, edges_;
@@ -138,7 +139,7 @@ template <int Dim> class BoxParts {
             if (cell.shared > 0) continue;
             for (int n = own.first; n < own.end; ++n)
                 for (int k = 0; k < Dim; ++k)
-                    NodalField<Dim>::addForce(nodes[nodes_[n].node], k, -cell.mean * nodes_[n].slope[k]);
+                    NodalField<Dim>::addForce(nodes[nodes_[n].node], k, -cell.stress * nodes_[n].slope[k]);
         }
     }
     // Before rate(): what flows into the parts of each cell.
@@ -245,68 +246,17 @@ template <int Dim> class BoxParts {
     }
 };
 
-// An engine whose bodies press on boxes.
-class PressingOnBoxes {
+// What rigid bodies press on.
+template <int Dim> class PressedBoxes {
   public:
-    virtual ~PressingOnBoxes() = default;
-    // f(number of the body of the scene, place) for the boxes that were pressed in the last step.
-    virtual void forPressed(const std::function<void(int, const Vec3&)>& f) const = 0;
+    // Of each body of the scene: those of bodies that nothing presses on are empty, and there are none without rigid
+    // bodies.
+    std::vector<BoxParts<Dim>> parts;
+    // Of the bodies of boxes that were pressed, by their numbers.
+    std::map<int, MarkedCells<Dim>> cells;
 
-    // Of each body of the scene in this step, kept by the first engine of the chain that presses.
-    template <int Dim> std::vector<BoxParts<Dim>>& parts() { return std::get<Found<Dim>>(found_).parts; }
-    // Of the bodies of boxes that were pressed, by their numbers; those of others are empty.
-    template <int Dim> std::map<int, MarkedCells<Dim>>& cells() { return std::get<Found<Dim>>(found_).cells; }
-
-  private:
-    template <int Dim> struct Found {
-        std::vector<BoxParts<Dim>> parts;
-        std::map<int, MarkedCells<Dim>> cells;
-    };
-    std::tuple<Found<2>, Found<3>> found_;
+    // Those of a body that has the number b; nullptr: nothing presses on it.
+    BoxParts<Dim>* of(size_t b) { return b < parts.size() && !parts[b].empty() ? &parts[b] : nullptr; }
 };
-
-// Where boxes reach beyond a cell that acts whole, or into one, within two cells of those that were pressed.
-// One thread.
-template <int Dim> void findBoxParts(const Scene<Dim>& scene, PressingOnBoxes& found) {
-    const Grid<Dim>& grid = scene.grid;
-    auto& parts = found.parts<Dim>();
-    auto& pressed = found.cells<Dim>();
-    parts.resize(scene.bodies.size());
-    for (auto& of : parts) of.clear();
-    for (auto& of : pressed) of.second.reset(grid);
-    for (auto& engine : scene.engines)
-        if (auto* pressing = dynamic_cast<PressingOnBoxes*>(engine.get()); pressing && !engine->dead)
-            pressing->forPressed([&](int soil, const Vec3& where) {
-                if (!actsByCells(*scene.bodies.at(soil)) || !scene.bodies[soil]->domains->boxes()) return;
-                int number = 0;
-                for (int k = 0; k < Dim; ++k) grid.addCells(k, &where[k], 1, &number);
-                const auto [at, isNew] = pressed.try_emplace(soil);
-                if (isNew) at->second.reset(grid);
-                at->second.add(number);
-            });
-    for (auto& [b, cells] : pressed) {
-        if (cells.empty()) continue;
-        const Body<Dim>& body = *scene.bodies[b];
-        for (int ring = 0; ring < 3; ++ring) cells.widen(grid);
-        cells.setInside([&](int cell) {
-            double inside = 0;
-            for (auto& other : scene.bodies)
-                if (other->velocityField == body.velocityField && actsByCells(*other))
-                    if (const auto* at = std::as_const(other->cellAverage).occupied(cell))
-                        inside = std::max(inside, at->inside);
-            return inside;
-        });
-        cells.findEdges(grid, [&](int cell) { return body.cellAverage.occupied(cell) != nullptr; });
-        if (!cells.edges().empty()) parts[b].find(body, grid, cells);
-    }
-}
-
-// The forces of the parts, once the nodes have those of the cells. One thread.
-template <int Dim> void addBoxParts(Scene<Dim>& scene, const std::vector<BoxParts<Dim>>& parts) {
-    for (size_t b = 0; b < parts.size(); ++b)
-        if (!parts[b].empty())
-            parts[b].addForces(*scene.bodies[b],
-                               scene.grid.fields[scene.bodies[b]->velocityField].sum.data());
-}
 
 } // namespace mpm

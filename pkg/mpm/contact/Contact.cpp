@@ -110,6 +110,8 @@ std::vector<Parameter> Contact::attributes() {
          "How edges of one group last moved against another one: direction (three numbers) and speed, m/s, for each "
          "group of\neach pair. At rest their normals stay so.",
          &edgeMotions.numbers},
+        {"lastImpulses", "", "Impulses of the last step at the sites beside implicit bodies, a row each.",
+         recordsOf(lastImpulses.rows)},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses},
         {"facetImpulses", "kN s",
@@ -237,7 +239,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear();
     largestPenetration = gridLoss = 0;
-    sliding = reduced = unsettled = 0;
+    sliding = reduced = unsettled = rounds = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
     const Vec<Dim> gravity = gravityOf(scene);
     flip_ = flipOf(scene);
@@ -248,7 +250,9 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     state.own.assign(search.nodes.size(), {});
     state.starts.clear();
     const bool mayBeThree = search.pairs.size() > 1; // groups on a node
-    for (const ContactPair<Dim>& pair : search.pairs) {
+    const LastImpulses last = std::move(lastImpulses);
+    lastImpulses = {};
+    for (ContactPair<Dim>& pair : search.pairs) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
                 const int node = search.nodes[i].node;
@@ -271,11 +275,15 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
         FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
         law.mayBeThree = mayBeThree;
+        if (separation) state.impulses.startFrom(last, search, pair);
         unsettled +=
             !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
+        rounds += state.impulses.rounds();
+        if (!state.impulses.implicit.isEmpty()) pair.negligible = state.impulses.negligible();
         bool isReduced;
         gridLoss += state.impulses.limitEnergy(search, pair, isReduced);
         reduced += isReduced;
+        state.impulses.keep(lastImpulses, search, pair);
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             exchange(scene, gravity, search.nodes[i], nodes[i]);
@@ -289,6 +297,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             if (pair.hasEdges[side])
                 edgeMotions.add<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
                                      scene.dt, scene.grid.smallestCell().minCoeff());
+    lastImpulses.sort();
     touch(scene, search);
     addToFacets(scene, state);
     if (!scene.scheme->remapsSolution()) recordShared(scene);

@@ -32,12 +32,13 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     std::vector<double> impulses;      // time integrals of the forces since the start
     std::vector<double> facetImpulses; // see FacetImpulses
     EdgeMotions edgeMotions;
+    LastImpulses lastImpulses;
 
     // Of the last step.
     std::vector<ContactRecord> table;
     std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
-    int sliding = 0, reduced = 0, unsettled = 0;
+    int sliding = 0, reduced = 0, unsettled = 0, rounds = 0;
 
     std::string className() const override { return "Contact"; }
     std::string doc() const override;

@@ -8,6 +8,7 @@
 #include "mpm/contact/ContactSearch.hpp"
 #include "mpm/contact/FrictionLaw.hpp"
 #include "mpm/contact/ImplicitSides.hpp"
+#include "mpm/contact/LastImpulses.hpp"
 
 #include <algorithm>
 
@@ -68,6 +69,24 @@ template <int Dim> class ContactImpulses {
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
 
+    // Beside implicit bodies the sites begin with what they took in the last step.
+    void startFrom(const LastImpulses& last, ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
+        if (implicit.isEmpty()) return;
+        forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
+            site.J.all = last.template at<Dim>(SiteImpulse::of(site, search.nodes[at.at[0]].field));
+            if (!site.J.all.isZero(0)) give(at, site.J);
+        });
+    }
+    void keep(LastImpulses& last, ContactSearch<Dim>& search, const ContactPair<Dim>& pair) const {
+        if (implicit.isEmpty()) return;
+        forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
+            last.template add<Dim>(SiteImpulse::of(site, search.nodes[at.at[0]].field), site.J.all);
+        });
+    }
+    int rounds() const { return rounds_; } // of the last solution
+    // What a round of it may change, by the energy of the motion, kJ.
+    double negligible() const { return negligible_; }
+
     // lawOf(site): the friction law there. Returns whether the rounds have come to an end of their own.
     template <class LawOf>
     bool solve(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double dt, LawOf&& lawOf) {
@@ -78,11 +97,14 @@ template <int Dim> class ContactImpulses {
         if (most > 1) start(search, pair);
         mobilities_.clear();
         bool isSettled = most == 1;
+        rounds_ = 0;
         for (int round = 0; round < most && (round == 0 || !isSettled); ++round) {
+            ++rounds_;
             size_t number = 0;
             forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
                 const FrictionLaw law = lawOf(site);
                 if (round == 0) mobilities_.emplace_back();
+                implicit.goTo(number);
                 // Else what shares a node stays together, and nothing crosses between nodes.
                 if (at.count == 1 || law.separation) update(site, law, dt, at, mobilities_[number]);
                 ++number;
@@ -156,7 +178,8 @@ template <int Dim> class ContactImpulses {
                 changed_ += more.dot(W * more);
                 size += J.dot(W * J);
             }
-        return changed_ <= least * least * size;
+        negligible_ = std::max(least * least * size, pair.negligible);
+        return changed_ <= negligible_;
     }
     // What the impulses are before a round.
     void note(const ContactPair<Dim>& pair) {
@@ -204,7 +227,6 @@ template <int Dim> class ContactImpulses {
             const Vec<Dim> more = part * (site.J.all - last);
             last = site.J.all;
             if (more.isZero(0)) return;
-            implicit.goTo(nodes, at.at, at.count);
             give(at, {more, Vec<Dim>::Zero()});
             site.J.all += more;
         });
@@ -232,7 +254,9 @@ template <int Dim> class ContactImpulses {
         Vec<Dim> before, way;
     };
     std::vector<Course> courses_;
-    double changed_; // energy of the motion by what the last round has changed, kJ
+    double changed_ = 0;    // energy of the motion by what the last round has changed, kJ,
+    double negligible_ = 0; // and what ends the rounds
+    int rounds_ = 0;
 
     void give(int i, int side, const Impulses<Dim>& more, double weight) {
         nodes[i].take(side, more, weight);
@@ -245,7 +269,8 @@ template <int Dim> class ContactImpulses {
     }
     void give(const SiteNodes<Dim>& at, const Impulses<Dim>& more) {
         for (int i = 0; i < at.count; ++i)
-            for (int side = 0; side < 2; ++side) give(at.at[i], side, more, at.S[side][i]);
+            for (int side = 0; side < 2; ++side)
+                if (at.S[side][i] != 0) give(at.at[i], side, more, at.S[side][i]);
     }
     static SiteNodes<Dim> alone(const int& node) {
         static constexpr double one = 1;
@@ -266,6 +291,7 @@ template <int Dim> class ContactImpulses {
             for (int side = 0; side < 2; ++side) {
                 const NodeMotion<Dim>& node = nodes[at.at[i]];
                 const double S = at.S[side][i], weight = S * (shares ? shares[at.at[i]][side] : S);
+                if (weight == 0) continue;
                 found.all += weight * node.inverseMass[side];
                 found.start += weight * node.startInverseMass[side];
             }
@@ -278,7 +304,7 @@ template <int Dim> class ContactImpulses {
         for (int i = 0; i < at.count; ++i)
             for (int side = 0; side < 2; ++side) {
                 const NodeMotion<Dim>& node = nodes[at.at[i]];
-                start -= node.sign(side) * at.S[side][i] * node.start[side];
+                if (at.S[side][i] != 0) start -= node.sign(side) * at.S[side][i] * node.start[side];
             }
         return start;
     }
@@ -287,6 +313,7 @@ template <int Dim> class ContactImpulses {
         Vec<Dim> w = Vec<Dim>::Zero();
         for (int i = 0; i < at.count; ++i)
             for (int side = 0; side < 2; ++side) {
+                if (at.S[side][i] == 0) continue;
                 const NodeMotion<Dim>& node = nodes[at.at[i]];
                 const int place = node.responding[side];
                 w -= node.sign(side) * at.S[side][i] * (place < 0 ? node.v[side] : implicit.velocity(place));
@@ -325,7 +352,6 @@ template <int Dim> class ContactImpulses {
     // The impulse at a site between nodes anew, in view of what the others exchange.
     void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const SiteNodes<Dim>& at,
                 Mobility& mobility) {
-        if (!implicit.isEmpty()) implicit.goTo(nodes, at.at, at.count);
         if (site.J.all.isZero(0) && law.isApart(site, dt, velocityAt(at)))
             return; // and nothing makes it agree
         if (!mobility.isKnown) mobility = mobilityAt(at, nullptr);

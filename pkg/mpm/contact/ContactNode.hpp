@@ -113,6 +113,7 @@ template <int Dim> struct ContactPair {
     int group[2];
     Vec<Dim> motionOfEdges[2]; // of one group against the other, m/s, in the mean over the nodes;
     bool hasEdges[2];          // whether there are any
+    double negligible = 0;     // what a round may change beside an implicit body in velocities made anew, kJ
 };
 
 // Numbers of pairs of groups a < b that stay when there are more groups.

@@ -54,13 +54,16 @@ template <int Dim> class ImplicitSides {
     // A site of contact of the pair: a node, or else a point.
     struct Site {
         int node, point;
-        int lowest; // unknown of its nodes
+        int lowest;        // unknown of its nodes
+        size_t first, end; // of those that it asks, see asked_
     };
     // All of them, in the order in which one comes by them on the way along a body.
     const std::vector<Site>& sites() const { return sites_; }
-    // One is at a site between these nodes now: their velocities are those of all impulses so far.
-    template <class Nodes> void goTo(const Nodes& nodes, const int* at, int count) {
-        forBodies(nodes, at, count, [&](int body, int lowest, int) { response_.bodies[body].goTo(lowest); });
+    // One is at a site now, by its number: the velocities of its nodes are those of all impulses so far.
+    void goTo(size_t site) {
+        if (isEmpty()) return;
+        for (size_t i = sites_[site].first; i < sites_[site].end; ++i)
+            response_.bodies[asked_[i].first].goTo(asked_[i].second);
     }
     void push(int place, const Vec<Dim>& impulse) { response_.push(place, impulse); }
     Vec<Dim> velocity(int place) const { return start_[place] + response_.velocity(place); }
@@ -112,6 +115,7 @@ template <int Dim> class ImplicitSides {
     ImpulseResponse<Dim> response_;
     std::vector<Place> places_;
     std::vector<Site> sites_;
+    std::vector<std::pair<int, int>> asked_;      // bodies, and the lowest unknown of them at a site
     std::vector<Vec<Dim>> start_;                 // velocities of those that respond before all impulses, m/s
     std::vector<std::array<Vec<Dim>, 2>> before_; // of both sides of the contact nodes of the pair
 
@@ -137,13 +141,18 @@ template <int Dim> class ImplicitSides {
     template <class Nodes>
     int order(const ContactSearch<Dim>& search, const ContactPair<Dim>& pair, const Nodes& nodes) {
         sites_.clear();
+        asked_.clear();
         int span = Dim;
         const auto add = [&](int node, int point, const int* at, int count) {
-            Site site{node, point, -1};
-            forBodies(nodes, at, count, [&](int, int lowest, int highest) {
+            Site site{node, point, -1, asked_.size(), 0};
+            forBodies(nodes, at, count, [&](int body, int lowest, int highest) {
                 span = std::max(span, highest - lowest + Dim);
                 site.lowest = std::max(site.lowest, lowest);
+                const std::pair<int, int> asks{body, lowest};
+                if (std::find(asked_.begin() + site.first, asked_.end(), asks) == asked_.end())
+                    asked_.push_back(asks);
             });
+            site.end = asked_.size();
             sites_.push_back(site);
         };
         for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from setups import chain, elastic, restarted, withAnyThreads
-from yade_mpm import box
+from yade_mpm import box, geotech
 
 SAND = dict(
     density=18 / 9.81, young=3e4, poisson=0.3, cohesion=0.5, frictionAngle=radians(30), dilatancyAngle=0
@@ -184,6 +184,21 @@ def test_a_wall_with_a_base_parts_soil():
     assert scene._core.partedWalls == [("walls", "soil")]
 
 
+@pytest.mark.parametrize("slope, parts", [(1.73 / 2, True), (2 * 1.73, False)])
+def test_a_bent_wall_parts_soil_up_to_a_slope_of_60_degrees(slope, parts):
+    """Half and twice the slope against its plane beyond which soil does not see all facets of its side."""
+    y = np.linspace(0.75, 3.25, 101)
+    middle = 1.6 + np.clip(slope * (0.4 - abs(y - 2)) + 0.4, 0, 0.8)  # aside, and back
+    scene = mpm.Scene((0, 0), (4, 4), 0.25, threads=1)
+    around = box((0, 0), (4, 3)) - box((1.25, 0.75), (2.75, 3))
+    soil = scene.add("soil", around, mpm.MohrCoulombDruckerPrager(**SAND), mpm.UGIMP(perCell=2), group="soil")
+    mesh = geotech.quadrilaterals(np.stack([middle - 0.1, middle, middle + 0.1]), np.stack([y, y, y]))
+    wall = scene.add("wall", mesh, elastic(1e4), mpm.APDI(), group="wall")
+    scene.engines = chain(contact=mpm.Contact(), drive=mpm.Drive(wall, velocity=(0, 0)))
+    scene.run(steps=1, progress=False)
+    assert scene._core.partedWalls == [("wall", soil.group)] * parts
+
+
 def test_soil_keeps_its_side_where_the_wall_goes_far():
     scene, [soil], wall = pushed(thickness=0.25)
     began = soil.byId("position")[:, 0] < 3.75
@@ -221,11 +236,8 @@ def test_a_wall_at_rest_keeps_still_and_the_soil_its_pressure():
         assert (-soil.stress[isNear, 0, 0] / (9 * (4 - y[isNear]))).mean() == pytest.approx(1, abs=0.05)
 
 
-@pytest.mark.parametrize("cell", [0.5, 1.0])
-def test_a_symmetric_wall_at_rest_has_no_moment(cell):
-    """A sheet pile as in scripts/propped_wall.py, of 6.5 m and a cell across, before anything is dug away.
-    Impulses at points of its faces that had crossed a line of the grid by some 1e-6 cells did not settle:
-    4 and 16 kN m/m."""
+def atRest(cell):
+    """Scene and wall: that of scripts/propped_wall.py, a cell across, before anything is dug away."""
     width = 16 + cell
     scene = mpm.Scene((0, 0), (width, 9), cell, gravity=9.81, damping=0.5, threads=1)
     scene.fix("bottom")
@@ -238,11 +250,30 @@ def test_a_symmetric_wall_at_rest_has_no_moment(cell):
     scene.contact(wall, soil)
     scene.initialStress(surface=8, K0=0.5, bodies=[soil])
     scene.dt = 2e-3 * cell
+    return scene, wall
+
+
+@pytest.mark.parametrize("cell", [0.5, 1.0])
+def test_a_symmetric_wall_at_rest_has_no_moment(cell):
+    """Impulses at points of its faces that had crossed a line of the grid by some 1e-6 cells did not settle:
+    4 and 16 kN m/m."""
+    scene, wall = atRest(cell)
     for until in (0.2, 0.35, 0.5):
         scene.run(until=until, progress=False)
         assert abs(mpm.sectionForces(wall, "y").M).max() < 1
     assert scene._core.partedWalls == [("wall", "soil")]
     assert abs(wall.displacement[:, 0]).max() < 5e-5
+
+
+def test_a_wall_at_rest_takes_few_rounds():
+    """They start from the impulses of the last step: from nothing 22."""
+    scene, _ = atRest(0.5)
+    contact, rounds = next(e for e in scene.engines if isinstance(e, mpm.Contact)), []
+    for _ in range(60):
+        scene.step()
+        rounds.append(contact._core.rounds)
+    assert rounds[0] > 18 and 0 < np.mean(rounds[20:]) < 12
+    restarted(scene, 20)
 
 
 def test_rounds_that_do_not_settle_are_told():

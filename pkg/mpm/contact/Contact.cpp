@@ -112,6 +112,10 @@ std::vector<Parameter> Contact::attributes() {
          &edgeMotions.numbers},
         {"lastImpulses", "", "Impulses of the last step at the sites beside implicit bodies, a row each.",
          recordsOf(lastImpulses.rows)},
+        {"pressing", "",
+         "Sites that pressed on each other in the last step, for USF: pair of groups, body of a mesh (-1: a node), "
+         "vertex or\nnode, and 1 where they stuck.",
+         &pressed.numbers},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses},
         {"facetImpulses", "kN s",
@@ -123,6 +127,8 @@ void Contact::finish() {
     require(edgeMotions.numbers.size() % EdgeMotions::perPair == 0, "Contact: edgeMotions has ",
             edgeMotions.numbers.size(), " numbers; give ", EdgeMotions::perPair,
             " for each pair of groups, or none");
+    require(pressed.numbers.size() % PressedSites::perSite == 0, "Contact: pressing has ",
+            pressed.numbers.size(), " numbers; give ", PressedSites::perSite, " for each site, or none");
     for (const PairLaw& law : pairs)
         require(law.friction >= 0 && law.adhesion >= 0, "Contact: friction = ", law.friction,
                 ", adhesion = ", law.adhesion, " of a pair; give zero or positive numbers by pair()");
@@ -273,6 +279,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
+        PressedSites::forget(search, pair);
         FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
         law.mayBeThree = mayBeThree;
         if (separation) state.impulses.startFrom(last, search, pair);
@@ -298,6 +305,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 edgeMotions.add<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
                                      scene.dt, scene.grid.smallestCell().minCoeff());
     lastImpulses.sort();
+    if (scene.scheme->stressFirst) pressed.note(search);
     touch(scene, search);
     addToFacets(scene, state);
     if (!scene.scheme->remapsSolution()) recordShared(scene);
@@ -341,6 +349,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
     auto& nodes = state.impulses.nodes;
     state.impulses.implicit.clear();
     state.own.resize(search.nodes.size()); // USF comes here first, and has no implicit bodies
+    if (state.solved != scene.step) pressed.recall(search, separation);
     for (const ContactPair<Dim>& pair : search.pairs) {
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) startAnew(search.points[i]);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
@@ -357,11 +366,10 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }
-        // Only what has stuck strains as one: a stop along a surface that bears nothing would do no work, and the force
-        // behind it would. Under USF nothing is known of it yet.
-        const bool isSolved = state.solved == scene.step;
+        // Only what has stuck strains as one, or is one body: a stop along a surface that bears nothing would do no work,
+        // and the force behind it would.
         state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>& site) {
-            return FrictionLaw{0, 0, isSolved ? !site.sticks : slip, separation, impactLoss};
+            return FrictionLaw{0, 0, !site.sticks && (slip || separation), separation, impactLoss};
         });
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const ContactNode<Dim>& contact = search.nodes[i];

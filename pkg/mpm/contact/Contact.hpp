@@ -5,6 +5,7 @@
 #include "mpm/contact/CarriedForces.hpp"
 #include "mpm/contact/ContactImpulses.hpp"
 #include "mpm/contact/FacetImpulses.hpp"
+#include "mpm/contact/PressedSites.hpp"
 #include "mpm/scene/Scene.hpp"
 
 #include <map>
@@ -33,6 +34,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     std::vector<double> facetImpulses; // see FacetImpulses
     EdgeMotions edgeMotions;
     LastImpulses lastImpulses;
+    PressedSites pressed; // for USF
 
     // Of the last step.
     std::vector<ContactRecord> table;

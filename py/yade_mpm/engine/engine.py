@@ -68,7 +68,16 @@ STATES = {
     "SurfaceLoad": FOUND_OF_A_FORCE,
     "ViscousBoundary": ("held", "work", "column", "dashpots"),
     "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes", "waits", "waitsAt", "waited"),
-    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "lastImpulses", "pressing", "impulses", "facetImpulses"),
+    "Contact": (
+        "cells",
+        "gaps",
+        "frictionWork",
+        "edgeMotions",
+        "lastImpulses",
+        "pressing",
+        "impulses",
+        "facetImpulses",
+    ),
     "RigidContact": (
         "frictionWork",
         "bodyWork",

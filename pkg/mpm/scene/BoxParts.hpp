@@ -14,6 +14,7 @@
 #include "mpm/state/cover.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -36,14 +37,11 @@ template <int Dim> class MarkedCells {
         if (mark_[cell] == Mark::none) cells_.push_back(cell);
         mark_[cell] = Mark::marked;
     }
-    // Marks the cells round the outermost ones, too.
+    // Marks the cells up to two beyond the marked ones along each axis; and one more, the outermost.
     void widen(const Grid<Dim>& grid) {
-        const size_t first = std::exchange(outermost_, cells_.size());
-        for (size_t i = first; i < outermost_; ++i)
-            anyAround(grid, cells_[i], [&](int other) {
-                add(other);
-                return false;
-            });
+        widenBy(grid, 2);
+        outermost_ = cells_.size();
+        widenBy(grid, 1);
     }
     template <class F> void setInside(F&& of) {
         for (int cell : cells_) inside_[cell] = of(cell);
@@ -77,7 +75,17 @@ template <int Dim> class MarkedCells {
     std::vector<double> inside_; // s, of marked ones
     std::vector<int> number_;    // of edges, among them
     std::vector<int> cells_, edges_;
-    size_t outermost_ = 0; // the first of the ring that was added last
+    size_t outermost_ = 0; // the first of them in cells_
+
+    void widenBy(const Grid<Dim>& grid, int by) {
+        for (int k = 0; k < Dim; ++k)
+            for (size_t i = 0, n = cells_.size(); i < n; ++i) {
+                const int cell = cells_[i], at = grid.indices(cell)[k];
+                const int last = std::min(at + by, grid.ghost + grid.cells[k] - 1);
+                for (int j = std::max(at - by, grid.ghost); j <= last; ++j)
+                    add(cell + (j - at) * grid.strides[k]);
+            }
+    }
 
     // Whether f(cell) is true of one round a cell, asked in the order of their numbers.
     template <class F> static bool anyAround(const Grid<Dim>& grid, int cell, F&& f) {
@@ -108,6 +116,11 @@ template <int Dim> class BoxParts {
 
     // Of the boxes in the edges of the marked cells.
     void find(const Body<Dim>& body, const Grid<Dim>& grid, const MarkedCells<Dim>& marked) {
+        int steps[block]; // from the cell to its nodes and those round it
+        for (int n = 0; n < block; ++n) {
+            steps[n] = 0;
+            for (int k = 0, rest = n; k < Dim; ++k, rest /= 4) steps[n] += (rest % 4 - 1) * grid.strides[k];
+        }
         boxes_.clear();
         edge_.clear();
         body.cellAverage.forCells(marked.edges().front(), marked.edges().back(), [&](int p, int own) {
@@ -116,17 +129,19 @@ template <int Dim> class BoxParts {
             edge_.push_back(marked.numberOf(own));
         });
         inEdge_.fill(int(marked.edges().size()), edge_);
+        Sums sums;
         for (int e = 0; e < int(marked.edges().size()); ++e) {
-            Own cell{marked.edges()[e], int(nodes_.size())};
-            Vec<Dim> sums[block];
-            for (auto& sum : sums) sum.setZero();
+            const int edge = marked.edges()[e];
+            Own cell{edge, int(nodes_.size())};
+            const Around around(grid, edge, marked);
             for (int i = inEdge_.begin(e); i < inEdge_.end(e); ++i)
-                cell.volume += cut(body, grid, boxes_[inEdge_.point(i)], cell.number, marked, sums);
-            for (int n = 0; n < block; ++n) {
-                if (sums[n].isZero(0)) continue;
-                int node = cell.number;
-                for (int k = 0, rest = n; k < Dim; ++k, rest /= 4) node += (rest % 4 - 1) * grid.strides[k];
-                nodes_.push_back({node, sums[n]});
+                cell.volume += cut(body, boxes_[inEdge_.point(i)], around, sums);
+            for (; sums.touched; sums.touched &= sums.touched - 1) {
+                const int n = __builtin_ctzll(sums.touched);
+                const Quad sum = std::exchange(sums.of[n], Quad{});
+                Vec<Dim> slope;
+                for (int k = 0; k < Dim; ++k) slope[k] = sum[k];
+                if (!slope.isZero(0)) nodes_.push_back({edge + steps[n], slope});
             }
             cell.end = int(nodes_.size());
             if (cell.end > cell.first) cells_.push_back(cell);
@@ -137,9 +152,14 @@ template <int Dim> class BoxParts {
         for (const Own& own : cells_) {
             const auto& cell = *body.cellAverage.occupied(own.number);
             if (cell.shared > 0) continue;
-            for (int n = own.first; n < own.end; ++n)
-                for (int k = 0; k < Dim; ++k)
-                    NodalField<Dim>::addForce(nodes[nodes_[n].node], k, -cell.stress * nodes_[n].slope[k]);
+            for (int n = own.first; n < own.end; ++n) {
+                const Vec<Dim> force = -cell.stress * nodes_[n].slope;
+                Quad& sum = nodes[nodes_[n].node].part[1];
+                if constexpr (Dim == 2)
+                    sum += Quad{force[0], 0, force[1], 0};
+                else
+                    sum += Quad{force[0], force[1], force[2], 0};
+            }
         }
     }
     // Before rate(): what flows into the parts of each cell.
@@ -170,17 +190,60 @@ template <int Dim> class BoxParts {
         int node;
         Vec<Dim> slope; // m2, the sum of (s_c - s_j) V_j grad S
     };
-    // A part of a box along one axis: its share of the box; hat functions of the two nodes at its centre, their slope,
-    // 1/m; the lower node, counted from the one before the cell of the box.
-    struct Along {
-        double share = 1, hat[2] = {0, 0}, slope = 0;
-        int node = 1;
+    // The sums of a cell, of those nodes that parts have touched.
+    struct Sums {
+        uint64_t touched = 0;
+        Quad of[block] = {};
+    };
+    // A cell, and along each axis the ones before and after it: s of the cell less theirs, where it starts.
+    struct Around {
+        struct Row {
+            double start, end, size, slope;
+            bool isThere;
+        };
+        Row rows[Dim][3];
+        double less[Dim == 2 ? 9 : 27];
 
-        Along() = default;
-        Along(const Grid<Dim>& grid, int k, int index, double from, double to, double half)
-            : share((to - from) / (2 * half)), slope(1 / grid.cellSize(k, index)) {
-            hat[1] = (0.5 * (from + to) - grid.line(k, index)) / grid.cellSize(k, index);
-            hat[0] = 1 - hat[1];
+        Around(const Grid<Dim>& grid, int number, const MarkedCells<Dim>& marked) {
+            const Index<Dim> index = grid.indices(number);
+            for (int k = 0; k < Dim; ++k)
+                for (int j = 0; j < 3; ++j) {
+                    const int at = index[k] + j - 1;
+                    Row& row = rows[k][j];
+                    row.isThere = at >= grid.ghost && at < grid.ghost + grid.cells[k];
+                    if (!row.isThere) continue;
+                    row.start = grid.line(k, at);
+                    row.end = grid.line(k, at + 1);
+                    row.size = grid.cellSize(k, at);
+                    row.slope = 1 / row.size;
+                }
+            const double inside = marked.inside(number);
+            for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
+                int cell = number;
+                bool isThere = true;
+                for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
+                    isThere &= rows[k][rest % 3].isThere;
+                    cell += (rest % 3 - 1) * grid.strides[k];
+                }
+                less[n] = isThere ? inside - marked.inside(cell) : 0;
+            }
+        }
+    };
+    // A part of a box along one axis k: its share of the box; hat functions of the two nodes at its centre, in lane k
+    // their slopes, 1/m; the lower node, counted from the one before the cell of the box.
+    struct Along {
+        double share;
+        Quad hat[2];
+        int node;
+
+        void set(const typename Around::Row& row, int k, double from, double to, double half) {
+            const double after = (0.5 * (from + to) - row.start) / row.size, before = 1 - after;
+            share = (to - from) / (2 * half);
+            const auto lanes = [k](double all, double own) {
+                return Quad{k == 0 ? own : all, k == 1 ? own : all, k == 2 ? own : all, 0};
+            };
+            hat[0] = lanes(before, -row.slope);
+            hat[1] = lanes(after, row.slope);
         }
     };
     std::vector<Own> cells_; // their numbers rise
@@ -190,37 +253,46 @@ template <int Dim> class BoxParts {
 
     // Adds the parts of a box to the sums of its cell; returns their volume. Along each axis it reaches into one of the
     // cells beside that of its centre at most.
-    double cut(const Body<Dim>& body, const Grid<Dim>& grid, int p, int own, const MarkedCells<Dim>& marked,
-               Vec<Dim>* sums) const {
+    static double cut(const Body<Dim>& body, int p, const Around& around, Sums& sums) {
         const Vec<Dim> half = body.domains->boxes()->halfSize();
-        const Index<Dim> index = grid.indices(own);
-        Along along[Dim][2]; // in the cell of the centre, and beside it
-        int side[Dim];       // 0: it does not reach there
+        double from[Dim], to[Dim];
+        int side[Dim]; // 0: it does not reach there
         for (int k = 0; k < Dim; ++k) {
-            const double x = body.particles.position.plane(k)[p], from = x - half[k], to = x + half[k];
-            const double low = grid.line(k, index[k]), high = grid.line(k, index[k] + 1);
-            side[k] = from < low ? -1 : to > high ? 1 : 0;
-            along[k][0] = Along(grid, k, index[k], std::max(low, from), std::min(high, to), half[k]);
-            const int at = index[k] + side[k];
-            if (at < grid.ghost || at >= grid.ghost + grid.cells[k]) side[k] = 0;
+            const double x = body.particles.position.plane(k)[p];
+            from[k] = x - half[k];
+            to[k] = x + half[k];
+            side[k] = from[k] < around.rows[k][1].start ? -1 : to[k] > around.rows[k][1].end ? 1 : 0;
+            if (!around.rows[k][1 + side[k]].isThere) side[k] = 0;
+        }
+        double share[corners<Dim>]; // of the part that is beside along the axes of n
+        bool isAny = false;
+        for (int n = 1; n < corners<Dim>; ++n) {
+            int cell = 0;
+            bool isThere = true;
+            for (int k = Dim - 1; k >= 0; --k) {
+                isThere &= side[k] != 0 || (n >> k & 1) == 0;
+                cell = 3 * cell + 1 + (n >> k & 1) * side[k];
+            }
+            share[n] = isThere ? around.less[cell] : 0;
+            isAny |= share[n] != 0;
+        }
+        if (!isAny) return 0;
+        Along along[Dim][2]; // in the cell of the centre, and beside it
+        for (int k = 0; k < Dim; ++k) {
+            const auto& own = around.rows[k][1];
+            along[k][0].set(own, k, std::max(own.start, from[k]), std::min(own.end, to[k]), half[k]);
+            along[k][0].node = 1;
             if (side[k] == 0) continue;
-            const double start = grid.line(k, at), end = grid.line(k, at + 1);
-            along[k][1] = Along(grid, k, at, side[k] > 0 ? high : std::max(start, from),
-                                side[k] < 0 ? low : std::min(end, to), half[k]);
-            along[k][1].node += side[k];
+            const auto& beside = around.rows[k][1 + side[k]];
+            along[k][1].set(beside, k, side[k] > 0 ? own.end : std::max(beside.start, from[k]),
+                            side[k] < 0 ? own.start : std::min(beside.end, to[k]), half[k]);
+            along[k][1].node = 1 + side[k];
         }
         double all = 0;
-        for (int n = 1; n < corners<Dim>; ++n) { // along which axes it is beside
-            int cell = own;
-            bool isThere = true;
-            for (int k = 0; k < Dim; ++k) {
-                isThere &= side[k] != 0 || (n >> k & 1) == 0;
-                cell += (n >> k & 1) * side[k] * grid.strides[k];
-            }
-            const double share = isThere ? marked.inside(own) - marked.inside(cell) : 0;
-            if (share == 0) continue;
+        for (int n = 1; n < corners<Dim>; ++n) {
+            if (share[n] == 0) continue;
             const Along* part[Dim];
-            double volume = share * body.particles.volume.plane()[p];
+            double volume = share[n] * body.particles.volume.plane()[p];
             for (int k = 0; k < Dim; ++k) {
                 part[k] = &along[k][n >> k & 1];
                 volume *= part[k]->share;
@@ -231,17 +303,16 @@ template <int Dim> class BoxParts {
         return all;
     }
     // Adds the slopes of the hat functions at the centre of a part, times its volume.
-    static void addSlopes(const Along* const part[Dim], double volume, Vec<Dim>* sums) {
-        for (int a = 0; a < corners<Dim>; ++a) {
-            int node = 0;
-            Vec<Dim> slope = Vec<Dim>::Constant(volume);
-            for (int k = Dim - 1; k >= 0; --k) {
-                const int corner = cornerSign(a, k) > 0;
-                node = 4 * node + part[k]->node + corner;
-                for (int i = 0; i < Dim; ++i)
-                    slope[i] *= i == k ? cornerSign(a, k) * part[k]->slope : part[k]->hat[corner];
+    static void addSlopes(const Along* const part[Dim], double volume, Sums& sums) {
+        int first = 0;
+        for (int k = Dim - 1; k >= 0; --k) first = 4 * first + part[k]->node;
+        sums.touched |= uint64_t(Dim == 2 ? 0x33 : 0x330033) << first; // the corners of a cell
+        for (int z = 0; z < (Dim == 2 ? 1 : 2); ++z) {
+            const Quad plane = Dim == 2 ? Quad{volume, volume, 0, 0} : volume * part[Dim - 1]->hat[z];
+            for (int y = 0; y < 2; ++y) {
+                const Quad row = plane * part[1]->hat[y];
+                for (int x = 0; x < 2; ++x) sums.of[first + 16 * z + 4 * y + x] += row * part[0]->hat[x];
             }
-            sums[node] += slope;
         }
     }
 };

@@ -27,7 +27,7 @@ template <int Dim> void findBoxParts(Scene<Dim>& scene) {
     for (auto& [b, cells] : pressed) {
         if (cells.empty()) continue;
         const Body<Dim>& body = *scene.bodies[b];
-        for (int ring = 0; ring < 3; ++ring) cells.widen(grid);
+        cells.widen(grid);
         cells.setInside([&](int cell) {
             double inside = 0;
             for (auto& other : scene.bodies)

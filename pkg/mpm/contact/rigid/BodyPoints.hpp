@@ -115,11 +115,18 @@ template <int Dim> class BodyPoints {
             if (bins.begin(bin) == bins.end(bin)) return false;
             Vec3 x = Vec3::Zero();
             x.head<Dim>() = CellBins<Dim>::centre(grid, cell);
-            if (!isSmall && shape.isBeyond(back * (x - at.position), radius)) return false;
+            const Vec3 local = back * (x - at.position);
+            if (!isSmall && shape.isBeyond(local, radius)) return false;
+            const Clearance clear = shape.clearance(local, radius - reach, reach);
+            const Vec3 up = at.orientation * clear.up;
             for (int j = bins.begin(bin); j < bins.end(bin); ++j) {
                 bool isNear = true;
-                for (int k = 0; k < Dim; ++k) isNear &= inBin_[k][j] >= lower[k] && inBin_[k][j] <= upper[k];
-                if (isNear) f(bins.point(j));
+                double over = clear.over;
+                for (int k = 0; k < Dim; ++k) {
+                    isNear &= inBin_[k][j] >= lower[k] && inBin_[k][j] <= upper[k];
+                    over += up[k] * (inBin_[k][j] - x[k]);
+                }
+                if (isNear && over <= clear.most) f(bins.point(j));
             }
             return false;
         });

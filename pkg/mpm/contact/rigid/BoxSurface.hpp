@@ -28,18 +28,22 @@ template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
 // nodes that a box of at most one cell around x reaches.
 struct HatMeans {
     int first = 0;
-    double mean[3], slope[3]; // slope: of the mean as the box moves, 1/m
+    double mean[3];
 
     HatMeans() = default;
-    template <int Dim> HatMeans(const Grid<Dim>& grid, int axis, double x, double from, double to) {
+    // slope: gets those of the means as the box moves, 1/m; nullptr: no one asks.
+    template <int Dim>
+    HatMeans(const Grid<Dim>& grid, int axis, double x, double from, double to, double* slope = nullptr) {
         const int nearest = int(grid.inCells(x, axis) + 0.5);
         const double start = grid.inCells(from, axis), end = grid.inCells(to, axis);
         first = std::clamp(int(start), nearest - 1, nearest);
         const double a = start - first, b = end - first; // hats are straight on either side of b = 1
-        slope[0] = (std::min(a, 1.0) - std::min(b, 1.0)) / (to - from);
-        slope[2] = std::max(0.0, b - 1) - std::max(0.0, a - 1);
-        slope[2] /= to - from;
-        slope[1] = -slope[0] - slope[2];
+        if (slope) {
+            slope[0] = (std::min(a, 1.0) - std::min(b, 1.0)) / (to - from);
+            slope[2] = std::max(0.0, b - 1) - std::max(0.0, a - 1);
+            slope[2] /= to - from;
+            slope[1] = -slope[0] - slope[2];
+        }
         if (b <= 1) {
             mean[1] = 0.5 * (a + b);
             mean[0] = 1 - mean[1];
@@ -57,29 +61,33 @@ struct HatMeans {
 // H(d) of a place at d from the centre of box p, inside of it.
 template <int Dim> class BoxHats {
   public:
-    BoxHats(const Body<Dim>& soil, const Grid<Dim>& grid, int p, const Vec3& d) : grid_(grid) {
+    // slopes: of the means along each axis, where they are asked for.
+    BoxHats(const Body<Dim>& soil, const Grid<Dim>& grid, int p, const Vec3& d, double (*slopes)[3] = nullptr)
+        : grid_(grid) {
         const Vec<Dim> l = soil.domains->boxes()->halfSize();
         for (int k = 0; k < Dim; ++k) {
             const double x = soil.particles.position.plane(k)[p], half = std::max(0.0, l[k] - std::abs(d[k]));
-            along_[k] = HatMeans(grid, k, x, x + d[k] - half, x + d[k] + half);
+            along_[k] = HatMeans(grid, k, x, x + d[k] - half, x + d[k] + half, slopes ? slopes[k] : nullptr);
         }
     }
 
-    // f(node, H, its gradient) for the nodes of a box around its centre.
-    template <class F> void forSlopes(F&& f) const {
-        for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
-            int node = 0;
-            double H = 1;
-            Vec<Dim> gradient = Vec<Dim>::Ones();
-            for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
-                const HatMeans& along = along_[k];
-                const int i = rest % 3;
-                node += (along.first + i) * grid_.strides[k];
-                H *= along.mean[i];
-                for (int m = 0; m < Dim; ++m) gradient[m] *= m == k ? along.slope[i] : along.mean[i];
-            }
-            if (H != 0) f(node, H, gradient);
-        }
+    // f(node, H and its gradient in four lanes) for the nodes of a box around its centre.
+    template <class F> void forSlopes(const double (*slopes)[3], F&& f) const {
+        const auto lanes = [&](int k, int i) {
+            const double H = along_[k].mean[i], own = slopes[k][i];
+            return Quad{H, k == 0 ? own : H, k == 1 ? own : H, k == 2 ? own : H};
+        };
+        for (int z = 0; z < (Dim == 2 ? 1 : 3); ++z)
+            for (int y = 0; y < 3; ++y)
+                for (int x = 0; x < 3; ++x) {
+                    Quad weight = lanes(0, x) * lanes(1, y);
+                    int node = along_[0].first + x + (along_[1].first + y) * grid_.strides[1];
+                    if constexpr (Dim == 3) {
+                        weight = weight * lanes(2, z);
+                        node += (along_[2].first + z) * grid_.strides[2];
+                    }
+                    if (weight[0] != 0) f(node, weight);
+                }
     }
 
     // f(node, H).
@@ -121,23 +129,31 @@ template <int Dim> Vec3 mappedVelocity(const Scene<Dim>& scene, const Body<Dim>&
 template <int Dim> struct BoxNodes {
     static constexpr int most = Dim == 2 ? 9 : 27; // a kernel reaches three nodes along an axis at most
     int count = 0, node[most];
-    double phi[most];
-    Vec<Dim> gradient[most];
+    Quad weight[most]; // phi, and its gradient
     std::optional<BoxHats<Dim>> inside;
 
     BoxNodes(const Body<Dim>& soil, const Grid<Dim>& grid, int p, bool weighsByHats) {
-        const auto add = [this](int i, double weight, const Vec<Dim>& slope) {
-            node[count] = i;
-            phi[count] = weight;
-            gradient[count++] = slope;
-        };
-        const BoxHats<Dim> hats(soil, grid, p, Vec3::Zero());
         if (weighsByHats) {
-            hats.forSlopes(add);
+            double slopes[Dim][3];
+            BoxHats<Dim>(soil, grid, p, Vec3::Zero(), slopes)
+                .forSlopes(slopes, [this](int i, const Quad& all) {
+                    node[count] = i;
+                    weight[count++] = all;
+                });
             return;
         }
-        inside.emplace(hats);
-        soil.domains->weights(p, add);
+        inside.emplace(soil, grid, p, Vec3::Zero());
+        soil.domains->weights(p, [this](int i, double phi, const Vec<Dim>& slope) {
+            node[count] = i;
+            weight[count++] = Quad{phi, slope[0], slope[1], Dim == 3 ? slope[Dim - 1] : 0};
+        });
+    }
+
+    double phi(int i) const { return weight[i][0]; }
+    Vec<Dim> gradient(int i) const {
+        Vec<Dim> slope;
+        for (int k = 0; k < Dim; ++k) slope[k] = weight[i][k + 1];
+        return slope;
     }
 };
 
@@ -176,8 +192,8 @@ NodalMotion nodalMotionOf(MappedVelocities<Dim>& velocities, const Body<Dim>& so
     Quad centre{}, inBox{}, along[Dim]{};
     for (int i = 0; i < box.count; ++i) {
         const Quad& v = velocities.of(soil, box.node[i]);
-        centre += box.phi[i] * v;
-        for (int k = 0; k < Dim; ++k) along[k] += box.gradient[i][k] * v;
+        centre += box.phi(i) * v;
+        for (int k = 0; k < Dim; ++k) along[k] += box.weight[i][k + 1] * v;
     }
     if (box.inside)
         box.inside->forNodes([&](int node, double H) { inBox += H * velocities.of(soil, node); });
@@ -209,7 +225,7 @@ Vec3 bendOf(const NodalField<Dim>& field, const BoxNodes<Dim>& box, const BoxHat
     };
     hats.forNodes(add);
     for (int i = 0; i < box.count; ++i)
-        add(box.node[i], -box.gradient[i].dot(d.template head<Dim>()) - (box.inside ? 0 : box.phi[i]));
+        add(box.node[i], -box.gradient(i).dot(d.template head<Dim>()) - (box.inside ? 0 : box.phi(i)));
     if (box.inside) box.inside->forNodes([&](int node, double H) { add(node, -H); });
     Vec3 bend = Vec3::Zero();
     bend.template head<Dim>() = sum;

@@ -52,6 +52,18 @@ class HeightSurface {
         return isAbove(x, at(x), radius + 0.5 * curvature_ * radius * radius);
     }
 
+    // For the places no further than `around` from x: those are further than `radius` away that the tangent plane below
+    // x, lifted for the curvature, says are.
+    Clearance clearance(const Vec3& x, double around, double radius) const {
+        const Place below = at(x);
+        const double steepest = std::hypot(below.slope[0], below.slope[1]) + curvature_ * around;
+        Vec3 up(-below.slope[0], -below.slope[1], 0);
+        up[axes_] = 1;
+        return {up, x[axes_] - below.height,
+                0.5 * curvature_ * around * around +
+                    (radius + 0.5 * curvature_ * radius * radius) * std::sqrt(1 + steepest * steepest)};
+    }
+
     // The second foot of the perpendicular follows from the normal at the first: what is left of the error is
     // (distance over radius of curvature) squared, and nothing on a plane. Of a place further away than `within`
     // the first is enough.

@@ -94,8 +94,8 @@ void forNodesOf(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const T
     }
     const Vec<Dim> beyond = (touching.arms.friction - touching.arms.normal).template head<Dim>();
     for (int i = 0; i < box->count; ++i) {
-        const double phi = box->inside ? box->phi[i] : 0;
-        f(box->node[i], phi, phi + box->gradient[i].dot(beyond));
+        const double phi = box->inside ? box->phi(i) : 0;
+        f(box->node[i], phi, phi + box->gradient(i).dot(beyond));
     }
     touching.hats->forNodes([&](int node, double H) { f(node, H, H); });
     if (box->inside) box->inside->forNodes([&](int node, double H) { f(node, -H, -H); });
@@ -119,10 +119,10 @@ void addForce(const Body<Dim>& soil, int index, const Arms& arms, const BoxNodes
     }
     const Vec<Dim> beyond = (arms.friction - arms.normal).template head<Dim>();
     for (int i = 0; i < box->count; ++i)
-        nodes[box->node[i]].part[1] += box->gradient[i].dot(beyond) * sideways;
+        nodes[box->node[i]].part[1] += box->gradient(i).dot(beyond) * sideways;
     hats->forNodes([&](int node, double H) { nodes[node].part[1] += H * all; });
     if (!box->inside) return;
-    for (int i = 0; i < box->count; ++i) nodes[box->node[i]].part[1] += box->phi[i] * all;
+    for (int i = 0; i < box->count; ++i) nodes[box->node[i]].part[1] += box->phi(i) * all;
     box->inside->forNodes([&](int node, double H) { nodes[node].part[1] += -H * all; });
 }
 

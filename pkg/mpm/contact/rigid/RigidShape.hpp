@@ -159,6 +159,11 @@ class RigidShape {
         return kind == HeightField ? ground_->isBeyond(x, radius) : nearest(x).distance > radius;
     }
 
+    // What lies so far above a height field; of other shapes nothing is known.
+    Clearance clearance(const Vec3& x, double around, double radius) const {
+        return kind == HeightField ? ground_->clearance(x, around, radius) : Clearance();
+    }
+
     // within: further away the distance is only known to be larger.
     Surface nearest(const Vec3& x, double within = std::numeric_limits<double>::infinity()) const {
         switch (kind) {

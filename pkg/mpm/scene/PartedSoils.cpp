@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/scene/PartedSoils.hpp"
 
+#include "mpm/base/spectrum.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/thicknessOfWall.hpp"
 #include "mpm/state/cover.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
@@ -41,7 +40,7 @@ template <int Dim> struct Spread {
             const Vec<Dim> d = vectorAt<Dim>(x, p) - middle;
             square += d * d.transpose();
         }
-        normal = Eigen::SelfAdjointEigenSolver<Mat<Dim>>(square).eigenvectors().col(0);
+        normal = spectrumOf<Dim>(square).vectors.col(0);
         int across;
         normal.cwiseAbs().maxCoeff(&across);
         if (normal[across] < 0) normal = -normal;

@@ -17,10 +17,9 @@
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/base/simd/compiler.hpp"
+#include "mpm/base/spectrum.hpp"
 #include "mpm/particle/CutBoxes.hpp"
 #include "mpm/particle/Outline.hpp"
-
-#include <Eigen/Eigenvalues>
 
 namespace mpm {
 
@@ -132,10 +131,10 @@ template <int Dim> class Splitting {
             if (p >= particles.size()) break;
             const Mat<Dim> D = domain(particles, p);
             if (margin(D) > 0 || !mayBeCut(p)) continue;
-            const Eigen::SelfAdjointEigenSolver<Mat<Dim>> stretches(D.transpose() * D);
-            const double stretch = std::sqrt(stretches.eigenvalues()[Dim - 1]);
+            const Spectrum<Dim> stretches = spectrumOf<Dim>(D.transpose() * D);
+            const double stretch = std::sqrt(stretches.values[Dim - 1]);
             if (!(stretch > limit_)) continue;
-            const Vec<Dim> along = stretches.eigenvectors().col(Dim - 1);
+            const Vec<Dim> along = stretches.vectors.col(Dim - 1);
             const double half = 0.5 * along.cwiseProduct(halfSize).norm();
             const Vec<Dim> offset = half * D * along;
             const double part = partInside(particles, p, offset[0]);

@@ -194,13 +194,17 @@ class MPM_PUBLIC Material : public Configurable {
 template <class Derived> class MaterialOf : public Material {
   public:
     void update(const MaterialPoints<2>& points) const override {
-        forEachLaw(points, [](const Derived& law, const auto& its, int) { gainMean<2>(law, its); });
+        const Act<2> act = [](const Derived& law, const MaterialPoints<2>& its, double*, double*) {
+            gainMean<2>(law, its);
+        };
+        forEachLaw(points, act);
     }
     void update(const MaterialPoints<3>& points) const override {
-        forEachLaw(points, [](const Derived& law, const auto& its, int) {
+        const Act<3> act = [](const Derived& law, const MaterialPoints<3>& its, double*, double*) {
             if (Derived::takesHoopRate && its.isRing) return gainMean<2>(law, its.inPlane());
             gainMean<3>(law, its);
-        });
+        };
+        forEachLaw(points, act);
     }
     void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
         stiffnessOf(points, lambda, mu);
@@ -280,8 +284,15 @@ template <class Derived> class MaterialOf : public Material {
             }
         f(law());
     }
-    // f(law, particles, number of the first one) for all at once, or for each row of particles with the same parameters.
-    template <int Dim, class F> void forEachLaw(const MaterialPoints<Dim>& points, F&& f) const {
+    // What a law makes of particles: of the first of them and on are the results at `first` and `second`.
+    template <int Dim>
+    using Act = void (*)(const Derived& law, const MaterialPoints<Dim>& its, double* first, double* second);
+
+    // act() on all at once, or on each row of particles with the same parameters. One text for all that a law does: a
+    // copy of it for each was a quarter of the materials' code.
+    template <int Dim>
+    void forEachLaw(const MaterialPoints<Dim>& points, Act<Dim> act, double* first = nullptr,
+                    double* second = nullptr) const {
         if constexpr (copies)
             if (!outside_.empty()) {
                 Derived its(law());
@@ -297,26 +308,28 @@ template <class Derived> class MaterialOf : public Material {
                     };
                     for (end = begin + 1; end < points.count && isAlike(end);) ++end;
                     its.finish();
-                    f(its, points.part(begin, end, planes), begin);
+                    act(its, points.part(begin, end, planes), first ? first + begin : nullptr,
+                        second ? second + begin : nullptr);
                 }
                 return;
             }
-        f(law(), points, 0);
+        act(law(), points, first, second);
     }
     template <int Dim> void stiffnessOf(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
-        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
-            law.template findStiffness<Dim>(its, lambda + begin, mu + begin);
-        });
+        const Act<Dim> act = [](const Derived& law, const MaterialPoints<Dim>& its, double* lambda,
+                                double* mu) { law.template findStiffness<Dim>(its, lambda, mu); };
+        forEachLaw(points, act, lambda, mu);
     }
     template <int Dim> void shearStrengthOf(const MaterialPoints<Dim>& points, double* strength) const {
-        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
-            law.template findStrength<Dim>(its, strength + begin);
-        });
+        const Act<Dim> act = [](const Derived& law, const MaterialPoints<Dim>& its, double* strength,
+                                double*) { law.template findStrength<Dim>(its, strength); };
+        forEachLaw(points, act, strength);
     }
     template <int Dim> void storedEnergyOf(const MaterialPoints<Dim>& points, double* energy) const {
-        forEachLaw(points, [=](const Derived& law, const auto& its, int begin) {
-            law.template findStoredEnergy<Dim>(its, energy + begin);
-        });
+        const Act<Dim> act = [](const Derived& law, const MaterialPoints<Dim>& its, double* energy, double*) {
+            law.template findStoredEnergy<Dim>(its, energy);
+        };
+        forEachLaw(points, act, energy);
     }
 };
 

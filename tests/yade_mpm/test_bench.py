@@ -133,3 +133,17 @@ def test_a_baseline_of_an_earlier_version_is_refused(tmp_path):
 def test_arguments_that_would_have_no_effect_are_refused(words, ignored):
     done = subprocess.run([sys.executable, SCRIPT, *words.split()], capture_output=True, text=True)
     assert done.returncode == 2 and f"{ignored} has no meaning beside --" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "case, most", [("2D/ugimp", 0.9), ("2D/apdi", 1.2), ("3D/ugimp", 3.0), ("3D/apdi", 4.0)]
+)
+def test_a_step_takes_no_more_than_its_part_of_a_bare_kernel(case, most):
+    """Shortest steps, in turn: what other work on the machine does to the mean, it does not do to all of them."""
+    turns = [
+        [min(figures["shortest"] for figures in measured(name)[0]) for name in names]
+        for names in 5 * [(f"{case}/mcdp/20000/threads:1", "yardstick")]
+    ]
+    step, kernel = map(min, zip(*turns))
+    assert step < most * kernel

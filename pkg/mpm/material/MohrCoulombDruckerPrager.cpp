@@ -248,11 +248,13 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        StrengthRun run(points.count);
-        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
+        const bool isUniform = strength_.isUniform(); // then no cone is made for each: two sines and a tangent
+        StrengthRun run(isUniform ? 0 : points.count);
+        if (!isUniform) strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
         for (int i = 0; i < points.count; ++i) {
             const auto [p, J2] = invariants(points, i);
-            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            const Cone<double> cone =
+                isUniform ? cone_ : coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
             const double atPressure = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
             strength[i] = spareStrength(atPressure, cone.cCosPhi, std::sqrt(J2));
         }

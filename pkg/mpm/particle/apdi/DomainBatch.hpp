@@ -49,10 +49,9 @@ template <int Dim> struct Batch {
         return ends;
     }
 
-    // plane k of corner a of each domain p += value(a, k, p), corner by corner.
+    // plane k of corner a of each domain p += value(a, k, p), corner by corner: no copy of the loops for each.
     template <size_t n, class Value>
     MPM_INLINE void addToCorners(const std::array<double*, n>& plane, Value&& value) const {
-        MPM_UNROLL
         for (int a = 0; a < NC; ++a)
             if (isStraight) {
                 std::array<double*, n> at = plane;

@@ -140,7 +140,7 @@ def test_arguments_that_would_have_no_effect_are_refused(words, ignored):
     "case, most", [("2D/ugimp", 0.9), ("2D/apdi", 1.2), ("3D/ugimp", 3.0), ("3D/apdi", 4.0)]
 )
 def test_a_step_takes_no_more_than_its_part_of_a_bare_kernel(case, most):
-    """Shortest steps, in turn: what other work on the machine does to the mean, it does not do to all of them."""
+    """Shortest steps, in turn: other work on the machine disturbs the mean, and not all of them."""
     turns = [
         [min(figures["shortest"] for figures in measured(name)[0]) for name in names]
         for names in 5 * [(f"{case}/mcdp/20000/threads:1", "yardstick")]

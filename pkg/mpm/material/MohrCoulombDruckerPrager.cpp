@@ -248,7 +248,8 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        const bool isUniform = strength_.isUniform(); // then no cone is made for each: two sines and a tangent
+        const bool isUniform =
+            strength_.isUniform(); // then no cone is made for each: two sines and a tangent
         StrengthRun run(isUniform ? 0 : points.count);
         if (!isUniform) strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
         for (int i = 0; i < points.count; ++i) {

@@ -36,7 +36,8 @@ def tip(body):
 
 
 @pytest.mark.parametrize(
-    "thickness, at, cell", [(0.5, 1.5, 0.25), (0.25, 1.5, 0.25), (0.1, 1.4, 0.25), (1.0, 1.45, 0.5)]
+    "thickness, at, cell",
+    [(0.5, 1.5, 0.25), (0.25, 1.5, 0.25), (0.1, 1.4, 0.25), (1.0, 1.45, 0.5), (0, 1.5, 0.25)],
 )
 @pytest.mark.verifies("Plate: deflection of a strip", reference="beam", tolerance=0.01)
 def test_a_strip_bends_as_a_beam_however_thick_its_mesh(thickness, at, cell, verified):

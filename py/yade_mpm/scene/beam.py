@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.kinds import NUMBER, POSITIVE, Kind
+from ..base.kinds import NOT_NEGATIVE, NUMBER, POSITIVE, Kind
 from ..base.wording import shown
 from ..geometry.mesh import Mesh
 from ..geometry.numbers import numbers, placeText, vector
@@ -17,6 +17,9 @@ from ..particle.types import classes as types
 ALONG = 2  # domains between two fibres, as in Beam.hpp
 PER_CELL = (
     2  # domains across a cell, as of other meshes: soil has to find vertices on the faces and at the ends
+)
+OF_LINE = (
+    1  # cells between the faces of a line: contact parts soil from 0.5 to 2, and boxes of half a cell fit
 )
 SAMPLES, SLACK = 4096, 1e-6  # of the cells along a piece of the line; round-off of lengths
 MISSED = 0.01  # cells that samples may miss along a piece
@@ -49,8 +52,9 @@ class Beam:
     EI : kN m2/m, bending stiffness, per metre of width (of piles in a row: of one over their spacing).
     EA : kN/m, axial stiffness.
     weight : Mg/m2, mass by the area of the wall.
-    thickness : m, of its mesh, for contact: two cells or more where soil is on both sides, half a cell where
-        this is dry.
+    thickness : m, between its faces, for contact: two cells or more where soil is on both sides, half a cell
+        where this is dry; default 0, a line: a cell of the grid there, as `thickness` says once it is in a
+        scene.
     GA : kN/m, shear stiffness; default None: no shear strain.
     limitMoment : kN m/m, moment at which a plastic hinge turns, in 3D largest principal moment; default
         None: elastic. In 3D not with GA, nor with EIWidth.
@@ -59,8 +63,8 @@ class Beam:
         EI, EA.
     size : m, between cross-sections, one to two cells; default: a cell.
 
-    `region` is the place that it takes. Its mass is spread over the thickness of the mesh. The particles hold
-    the forces per metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D those along the width, too
+    `region` is the place that it takes; of a line, once it is in a scene: add it before the ground. Its mass
+    is spread over the thickness of the mesh. The particles hold the forces per metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D those along the width, too
     (`hoopForce`, `hoopShear`, `hoopMoment`), `membraneShear` and `twistingMoment`.
 
     Raises ValueError for a line that turns by more than 90 degrees, a width that is not across it, numbers
@@ -78,7 +82,7 @@ class Beam:
         EI: float,
         EA: float,
         weight: float,
-        thickness: float,
+        thickness: float = 0.0,
         width: ArrayLike | None = None,
         GA: float | None = None,
         limitMoment: float | None = None,
@@ -91,14 +95,16 @@ class Beam:
         self.width = _checkWidth(self.line, width)
         self._plane = np.delete(np.arange(self.line.shape[1]), [] if width is None else self._axis)
         _checkTurns(self.line, self._plane)
-        given = dict(EI=EI, EA=EA, weight=weight, thickness=thickness)
+        given = dict(EI=EI, EA=EA, weight=weight)
         ofPlates = dict(EIWidth=EIWidth, EAWidth=EAWidth)
         optional = dict(GA=GA, limitMoment=limitMoment, size=size, **ofPlates)
         for name, value in {**given, **{k: v for k, v in optional.items() if v is not None}}.items():
             POSITIVE.check("Beam", **{name: value})
+        NOT_NEGATIVE.check("Beam", "m", thickness=thickness)
         RATIO.check("Beam", poisson=poisson)
         self._checkPlate(limitMoment, dict(GA=GA, EIWidth=EIWidth), dict(poisson=poisson or None, **ofPlates))
         self.weight, self.thickness, self.size = float(weight), float(thickness), size
+        self._isLine = self.thickness == 0
         section = dict(EI=EI, EA=EA, GA=GA, limitMoment=limitMoment, poisson=poisson, **ofPlates)
         self._section = {k: v for k, v in section.items() if v}
 
@@ -117,7 +123,8 @@ class Beam:
 
     def __repr__(self):
         start, end = placeText(self.line[0]), placeText(self.line[-1])
-        return f"<Beam from {start} to {end}, EI = {self._section['EI']:g} kN m2/m>"
+        faces = f", faces {self.thickness:g} m apart" if self.thickness else ""
+        return f"<Beam from {start} to {end}, EI = {self._section['EI']:g} kN m2/m{faces}>"
 
     @property
     def isClosed(self):
@@ -126,7 +133,13 @@ class Beam:
 
     @property
     def region(self):
-        """The region that its mesh takes, e.g. to leave it out of the ground."""
+        """The region that its mesh takes, e.g. to leave it out of the ground. RuntimeError for a line that is
+        in no scene."""
+        if not self.thickness:
+            raise RuntimeError(
+                "Beam: region: a Beam of thickness 0 is as thick as a cell of its scene; add it before "
+                "the ground that leaves it out, or give a thickness"
+            )
         right, left = _faces(self.line[:, self._plane], self.thickness, self.isClosed)
         if not self.isClosed:
             return self._drawn(np.concatenate((right, left[::-1])))
@@ -153,6 +166,8 @@ class Beam:
                 f"body '{name}': the line of its Beam is {dim}D, the scene {scene.dim}D; give points in "
                 f"{scene.dim}D{width}"
             )
+        if self._isLine:
+            self.thickness = OF_LINE * self._largestCell(scene)
         points = self._divided(scene, name, self.line)
         places = [points]
         faces = _faces(points[:, self._plane], self.thickness, self.isClosed)
@@ -168,6 +183,12 @@ class Beam:
             density=self.weight / self.thickness, thickness=self.thickness, **self._section
         )
         return mesh, material, types["APDI"](hourglass=0)
+
+    def _largestCell(self, scene):
+        """Of the cells along the line, m."""
+        part = np.linspace(0, 1, SAMPLES + 1)[:, None]
+        pieces = [start + part * (end - start) for start, end in zip(self.line[:-1], self.line[1:])]
+        return float(scene.cellSizeAt(np.concatenate(pieces)).max())
 
     def _drawnFaces(self, faces, along):
         """The right face and the left one (S, W, 3), which is on the side of line x width, from a profile."""

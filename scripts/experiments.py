@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Beside experiments: a dam break (Martin & Moyce 1952), columns of sand of friction sin(31 degrees) (Lube et
 al. 2005) and of aluminium rods of 19.8 degrees (Nguyen, Bui & Fukagawa 2015), glass beads on a chute
-(Pouliquen 1999). Units: Mg, m, s, kPa."""
+(Pouliquen 1999), a strip footing on sand, a cone in a calibration chamber (Baldi et al. 1986). Units: Mg, m,
+s, kPa."""
 
 import os
-from math import radians, tan
+from math import asin, ceil, pi, radians, sin, tan
+from types import SimpleNamespace
 
+import cone
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import Parameter, app, plot
+from yade_mpm.geotech import quadrilaterals, reference
 
 G = 9.81
 WIDTH = 0.05715  # m, of the water
@@ -21,6 +25,15 @@ GRAIN, DEEP = 0.53e-3, 20  # m, size of the glass beads; their number in the dep
 # Glass beads on rough planes (Forterre & Pouliquen 2003): friction of slow and of fast flow, factor of the
 # depth at which a layer stops, and of the velocity over sqrt(g h) by the depth over that one.
 SLOW, FAST, STOP, FROUDE = tan(radians(20.9)), tan(radians(32.76)), 1.65, 0.136
+# Strip footings on dry sand, length over width 5.95; degrees, kN/m3, kPa: of the load tests collected in
+# github.com/ayman-abdalhamid/Ultimate-Bearing-Capacity-Prediction those with B = 0.152 m and D = 0.075 m.
+FOOTING, SUNK = 0.152, 0.075  # m, its width and its depth in the sand
+SANDS = np.array([34, 37, 39.5, 41.5, 42.5]), np.array([15.7, 16.1, 16.5, 16.8, 17.1])
+LIMITS = np.array([98.2, 143.3, 211.2, 285.3, 335.3])
+# Ticino sand: void ratios of the loosest and the densest, and e_c = 0.923 - 0.046 sqrt(p/100 kPa) (Fioravante
+# & Giretti 2015), here a line in ln p through its values at 0.1 and 1 MPa; slope of the critical states, q/p.
+LOOSEST, DENSEST, CRITICAL, COMPRESSION, SLOPE = 0.923, 0.574, 0.877, 0.0432, 1.14
+VERTICAL, AT_REST = 100.0, 0.45  # kPa, of the chamber, and horizontal stress over vertical
 
 CELLS = Parameter("cells", 10, "cells in the width of the water and of a column", whole=True, least=4)
 ASPECTS = Parameter("aspects", [0.5, 1.0, 2.0, 4.0], "heights of columns over lengths", several=True, above=0)
@@ -30,8 +43,14 @@ RATIOS = Parameter(
 SLOPES = Parameter(
     "slopes", [23.0, 24.0, 25.0, 26.0], "of the chute", unit="degrees", several=True, least=22, most=28
 )
-SMOKE = {"ratios": [1.0], "cells": 4, "aspects": [0.5], "slopes": [24.0]}
-PARAMETERS = mpm.Parameters("experiments", __doc__, CELLS, ASPECTS, RATIOS, SLOPES, smoke=SMOKE)
+ANGLES = Parameter(
+    "angles", [34.0, 39.5, 42.5], "of friction below the footing", unit="degrees", several=True, above=0
+)
+DENSITIES = Parameter("densities", [0.6], "relative, in the chamber", several=True, above=0, most=1)
+SMOKE = {"ratios": [1.0], "cells": 4, "aspects": [0.5], "slopes": [24.0], "angles": [34.0], "densities": []}
+PARAMETERS = mpm.Parameters(
+    "experiments", __doc__, CELLS, ASPECTS, RATIOS, SLOPES, ANGLES, DENSITIES, smoke=SMOKE
+)
 
 
 def damBreak(a):
@@ -129,6 +148,73 @@ def chute(a, slope):
     return layer.velocity[:, 0].mean() / np.sqrt(G * deep), chuteLaw(slope)[1]
 
 
+def footing(a, angle):
+    """Pressure on a strip footing that has sunk by a tenth of its width, and that measured, kPa."""
+    half, cell, phi = FOOTING / 2, FOOTING / a.cells, radians(angle)
+    sunk, weight = round(SUNK / cell) * cell, np.interp(angle, *SANDS)
+    law = mpm.MohrCoulomb(
+        density=weight / G,
+        young=1e4,
+        poisson=0.3,
+        cohesion=0,
+        frictionAngle=phi,
+        dilatancyAngle=phi - radians(30),
+    )
+    size = (0, -2.5 * FOOTING), (5 * FOOTING, sunk)
+    scene = mpm.Scene(size[0], (size[1][0], sunk + 2 * cell), cell, threads=a.threads)
+    x, y = np.meshgrid(np.linspace(0, half, a.cells + 1), np.arange(0, sunk + 1.1 * cell, cell / 2))
+    pressed = SimpleNamespace(**vars(a) | {"rate": 0.02, "constraints": "auto"})
+    walls = dict(gravity=(0, -G), damping=0.3, roller=("left", "right"), fixed="bottom")
+    block = reference.drive(
+        scene, "footing", quadrilaterals(x, y), pressed, 0.01 * FOOTING, friction=tan(phi), **walls
+    )
+    ground = mpm.box(*size) - mpm.box((-1, 0), (half, 1))
+    sand = scene.add("sand", ground, law, mpm.UGIMP(perCell=2), group="soil")
+    pressure = weight * (sand.position[:, 1] - sunk)
+    sand.setStress(pressure[:, None, None] * np.diag([1 - sin(phi), 1, 1 - sin(phi)]))
+    _, way, force, _ = reference.press(pressed, scene, 0.1 * FOOTING, 0.01 * FOOTING)
+    late = (force + G * block.mass.sum())[way > 0.075 * FOOTING] / half
+    return late.mean(), np.interp(angle, SANDS[0], LIMITS)
+
+
+def inChamber(density):
+    """Resistance of a cone in normally consolidated Ticino sand as Baldi et al. measured it, kPa."""
+    return 157 * VERTICAL**0.55 * np.exp(2.41 * np.asarray(density))
+
+
+def press(a, density):
+    """Resistance of the tip of a cone in the chamber over its last radius, kPa; smooth walls do not move."""
+    R, way, voids = cone.RADIUS, 4.0, LOOSEST - density * (LOOSEST - DENSEST)
+    pressed = SimpleNamespace(
+        cells=3, way=way, rate=1.5, constraints="auto", threads=a.threads, smoke=a.smoke
+    )
+    cell, deep = R / 3, ceil(3 * (cone.START + way + 10)) * R / 3
+    sand = mpm.NorSand(
+        density=2.65 / (1 + voids),
+        shearModulus=71e3 * (2.27 - voids) ** 2 / (1 + voids),
+        referencePressure=100,
+        frictionAngle=asin(3 * SLOPE / (6 + SLOPE)),
+        criticalVoidRatio=CRITICAL,
+        compression=COMPRESSION,
+        initialVoidRatio=voids,
+        overconsolidationRatio=2.2,  # the least that stress at rest takes
+    )
+    size = (0, -deep), (34 * R, 0)
+    even = mpm.Grading(((0, -deep), (cone.EVEN * R, 0)), largest=2 * R)
+    scene = mpm.Scene(*size, cell, grading=even, axisymmetric=True, threads=a.threads)
+    mesh, hole = cone.shape(pressed, cell, 0.0)
+    walls = dict(gravity=(0, 0), damping=0.05, roller=("left", "right", "bottom", "top"))
+    reference.drive(scene, "cone", mesh, pressed, cone.RAMP, friction=0.3, **walls)
+    zone = mpm.box((0, -ceil(3 * (cone.START + way + 3)) * cell), (4 * R, 0))
+    near = scene.add("soil", zone - hole, sand, mpm.UGIMP(perCell=2, splitAt=1.3), group="soil")
+    far = scene.add("far soil", mpm.box(*size) - zone, sand, mpm.APDI(matched=near), group="soil")
+    for body in (near, far):
+        body.setStress(np.tile(-VERTICAL * np.diag([AT_REST, 1, AT_REST]), (body.count, 1, 1)))
+    onShaft = {"shaft": cone.shaftForce}
+    _, gone, force, history = reference.press(pressed, scene, way * R, cone.RAMP, onShaft)
+    return (force - history["shaft"])[gone > (way - 1) * R].mean() / (pi * R**2)
+
+
 def main():
     a = PARAMETERS.parse()
     for several in (a.aspects, a.ratios):  # rows of boxes are half a cell high
@@ -138,9 +224,11 @@ def main():
     found = [column(a, aspect) for aspect in a.aspects]
     heights, ratios = [rods(a, ratio) for ratio in a.ratios], np.linspace(0.65, 3, 20)
     speeds = [chute(a, slope)[0] for slope in a.slopes]
+    limits = [footing(a, angle)[0] for angle in a.angles]
+    cones = [press(a, density) for density in a.densities]
     low, high = np.linspace(0.4, 1.8, 9), np.linspace(2.8, 5, 9)  # where Lube et al. give a law
-    slopes = np.linspace(22.5, 26.5, 30)
-    figure, axes = plot.plt.subplots(2, 2, figsize=(9, 6.4), layout="constrained")
+    slopes, dense = np.linspace(22.5, 26.5, 30), np.linspace(0.3, 0.9, 20)
+    figure, axes = plot.plt.subplots(2, 3, figsize=(11, 6.4), layout="constrained")
     axes = axes.ravel()
     axes[0].plot(*FRONT, "ko", label="Martin & Moyce 1952")
     axes[0].plot(times + shift, front, label="water")
@@ -159,6 +247,12 @@ def main():
     axes[3].plot(slopes, [chuteLaw(slope)[1] for slope in slopes], "k", label="Pouliquen 1999")
     axes[3].plot(a.slopes, speeds, "o", label="glass beads")
     axes[3].set(xlabel="slope of the chute, degrees", ylabel="mean velocity over √(g depth)")
+    axes[4].plot(SANDS[0], LIMITS, "k^", label="tests of footings")
+    axes[4].plot(a.angles, limits, "o", label="strip footing")
+    axes[4].set(xlabel="angle of friction, degrees", ylabel="pressure of the footing, kPa")
+    axes[5].plot(dense, 1e-3 * inChamber(dense), "k", label="Baldi et al. 1986")
+    axes[5].plot(a.densities, 1e-3 * np.array(cones), "o", label="cone in Ticino sand")
+    axes[5].set(xlabel="relative density", ylabel="resistance of the cone, MPa")
     for axis in axes:
         axis.legend()
     print(
@@ -173,6 +267,8 @@ def main():
         "chute: slope, u/sqrt(g h), measured:",
         *zip(a.slopes, np.round(speeds, 3).tolist(), [round(chuteLaw(slope)[1], 3) for slope in a.slopes]),
     )
+    print("footing: angle, kPa:", *zip(a.angles, np.round(limits, 1).tolist()))
+    print("cone: relative density, MPa:", *zip(a.densities, np.round(1e-3 * np.array(cones), 2).tolist()))
     os.makedirs(a.out, exist_ok=True)
     plot.save(figure, f"{a.out}/experiments.png")
 

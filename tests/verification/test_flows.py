@@ -108,6 +108,15 @@ def testGrainsFlowDownAChuteAsMeasured(verified):
     assert experiments.chuteLaw(25.0)[1] > 1.2 * found
 
 
+@pytest.mark.verifies("Strip footing on sand: pressure", reference="load tests", tolerance=0.15)
+def testAStripFootingBearsOnSandWhatTestsFound(verified):
+    """0.152 m wide, on sand of 42.5 degrees. Control: the test on sand of 39.5 degrees."""
+    experiments = importlib.import_module("experiments")
+    found, measured = experiments.footing(SimpleNamespace(cells=10, threads=1), 42.5)
+    verified(found, measured)
+    assert abs(found / 211.2 - 1) > 0.15
+
+
 def channel(y, yieldStress, k, n, force):
     """Steady velocity between two plates, driven by a body force, kN/m3."""
     sheared = max(HEIGHT / 2 - yieldStress / force, 0)

@@ -4,9 +4,8 @@
 // pressure by a cell in an iteration, the blocks carry it all the way (Nicolaides 1987).
 #pragma once
 
-#include "mpm/base/parallel/ParallelRegion.hpp"
-#include "mpm/state/Grid.hpp"
 #include "mpm/step/BandMatrix.hpp"
+#include "mpm/step/PorePlaces.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -50,8 +49,9 @@ template <int Dim> class PoreCoarse {
         for (size_t c = 0; c < places.size(); ++c) {
             const int p = places[c], group = numbers_[blocks[c]];
             groups_[p] = group;
-            if (c % chunkSize == 0) firstSegment_.push_back(int(segments_.size()));
-            if (c % chunkSize == 0 || p != places[c - 1] + 1 || group != segments_.back().group)
+            if (c % PorePlaces<Dim>::blockSize == 0) firstSegment_.push_back(int(segments_.size()));
+            if (c % PorePlaces<Dim>::blockSize == 0 || p != places[c - 1] + 1 ||
+                group != segments_.back().group)
                 segments_.push_back({p, p, group});
             segments_.back().last = p + 1;
         }
@@ -119,10 +119,12 @@ template <int Dim> class PoreCoarse {
         for (int i = 0; i < count_; ++i) product += sums_[i] * pressure_[i];
         return product;
     }
-    // f(first place, end, pressure) for the unknowns of a chunk.
+    // Of the diagonal, that the matrix has for what is narrower than a block; 0: the blocks carry nothing.
+    double leastPart() const { return isGood_ ? 1.0 / (double(width_) * width_) : 0; }
+    // f(first place, end, pressure) for the unknowns of a block.
     template <class F> void forSegments(int begin, F&& f) const {
-        const int chunk = begin / chunkSize;
-        for (int i = firstSegment_[chunk]; i < firstSegment_[chunk + 1]; ++i)
+        const int block = begin / PorePlaces<Dim>::blockSize;
+        for (int i = firstSegment_[block]; i < firstSegment_[block + 1]; ++i)
             f(segments_[i].first, segments_[i].last, pressure_[segments_[i].group]);
     }
 
@@ -144,7 +146,7 @@ template <int Dim> class PoreCoarse {
     std::vector<int> groups_;  // of each place
     std::vector<int> numbers_; // of the blocks of the grid, -1: no unknown
     std::vector<Segment> segments_;
-    std::vector<int> firstSegment_; // of each chunk, and the end
+    std::vector<int> firstSegment_; // of each block, and the end
     std::vector<Entry> entries_;
     BandMatrix matrix_;
     std::vector<double> pressure_, sums_; // of the groups

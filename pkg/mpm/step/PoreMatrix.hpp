@@ -23,9 +23,10 @@ template <int Dim> class PoreMatrix {
             makeRoom(system, strides);
             findOthers(system);
         });
-        spreadFlows(region, system);
-        region.chunks(unknowns_, [&](int begin, int) {
-            forRuns(begin, [&](int first, int last) { fillRows(first, last); });
+        spreadSteps(region, system);
+        const auto& places = system.runs.places;
+        places.forBlocks(region, [&](int begin, int) {
+            places.forRuns(begin, [&](int first, int last) { fillRows(system, first, last); });
         });
         region.once([&] {
             addFaces(system);
@@ -37,36 +38,42 @@ template <int Dim> class PoreMatrix {
     // y = A x, by all threads.
     void multiply(ParallelRegion& region, const PoreSystem<Dim>& system, const std::vector<double>& x,
                   std::vector<double>& y) {
-        region.once([&] { spread(x, direction_); });
+        region.once([&] { system.runs.places.spread(x, direction_); });
         findProduct(region, system);
-        region.once([&] { collect(product_, y); });
+        region.once([&] { system.runs.places.collect(product_, y); });
     }
 
-    // Solves A u = right from the u that is there, until no cell is off by more than `tolerance` kPa of
-    // storage. Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads.
+    // Solves A u = right from the u that is there, until the pressure of no cell is off by more than `tolerance`
+    // kPa. Returns the iterations, -1: not within `most`. residual: right - A u, m3/s. By all threads. A residual r
+    // is an error of A^-1 r. That is r over the storage at most; and where it has the width of a block, beyond which
+    // the blocks carry it, it is r over the diagonal times the square of that width in cells.
     int solve(ParallelRegion& region, const PoreSystem<Dim>& system, const std::vector<double>& right,
               double tolerance, int most, std::vector<double>& u, std::vector<double>& residual) {
         region.once([&] {
-            for (int c = 0; c < unknowns_; ++c) limit_[place_[c]] = tolerance * system.cells[c].storage;
-            spread(u, direction_);
-            spread(u, solution_);
-            spread(right, residual_);
+            const double part = coarse_.leastPart();
+            for (int c = 0; c < unknowns_; ++c) {
+                const int p = place_[c];
+                limit_[p] = tolerance * std::max(system.cells[c].storage, part / overDiagonal_[p]);
+            }
+            system.runs.places.spread(u, direction_);
+            system.runs.places.spread(u, solution_);
+            system.runs.places.spread(right, residual_);
         });
         findProduct(region, system);
         double before = 0;
         int iteration = 0;
-        for (advance(region, 0, 1); off_ > 0; ++iteration) {
+        for (advance(region, system.runs.places, 0, 1); off_ > 0; ++iteration) {
             if (iteration == most) return -1;
             region.once([&] { now_ += coarse_.solve(residual_); });
             const double part = iteration > 0 ? now_ / before : 0;
             before = now_;
-            region.chunks(unknowns_, [&](int begin, int) { turn(begin, part); });
+            system.runs.places.forBlocks(region, [&](int begin, int) { turn(begin, part); });
             findProduct(region, system);
-            advance(region, now_ / power_, now_ / power_);
+            advance(region, system.runs.places, now_ / power_, now_ / power_);
         }
         region.once([&] {
-            collect(solution_, u);
-            collect(residual_, residual);
+            system.runs.places.collect(solution_, u);
+            system.runs.places.collect(residual_, residual);
         });
         return iteration;
     }
@@ -77,20 +84,11 @@ template <int Dim> class PoreMatrix {
         int at;    // cell, or place among the others
         Vec<Dim> flow;
     };
-    struct Run {
-        int first, last; // places
-    };
 
     int unknowns_ = 0;
-    int shape_ = -1;                         // of the system that there is room for
-    std::vector<int> place_;                 // of each unknown
-    std::vector<Run> runs_;                  // of unknowns side by side, cut at the ends of chunks
-    std::vector<int> firstRun_;              // of each chunk, and the end
-    std::array<int, ahead> steps_;           // to the neighbours beyond
-    std::array<int, corners<Dim>> toCorner_; // from a cell to the node at each corner
-    int offset_ = 0;                         // from the number of a node to its place
-    std::array<std::array<std::vector<double>, Dim>, 2>
-        flows_;                                      // of the corners on both sides of each cell, m2
+    int shape_ = -1;                                 // of the system that there is room for
+    std::vector<int> place_;                         // of each unknown
+    std::array<int, ahead> steps_;                   // to the neighbours beyond
     std::array<std::vector<double>, Dim> nodeSteps_; // of nodes that are not others, s/Mg
     std::array<std::vector<double>, ahead> beyond_;  // of the matrix, m3/(kPa s)
     std::vector<double> diagonal_, overDiagonal_, limit_, solution_, residual_, direction_, product_;
@@ -107,55 +105,21 @@ template <int Dim> class PoreMatrix {
         if (shape_ == system.shape) return;
         shape_ = system.shape;
         unknowns_ = system.unknowns;
-        int margin = 0;
-        for (int k = 0; k < Dim; ++k) margin += strides[k];
         for (int s = 0; s < ahead; ++s) {
             steps_[s] = 0;
             for (int k = 0, rest = s + ahead + 1; k < Dim; ++k, rest /= 3)
                 steps_[s] += (rest % 3 - 1) * strides[k];
         }
-        const int first = unknowns_ > 0 ? system.cells[0].number : 0;
-        const int size = unknowns_ > 0 ? system.cells[unknowns_ - 1].number - first + 1 + 2 * margin : 0;
         place_.resize(unknowns_);
-        runs_.clear();
-        firstRun_.clear();
-        for (int c = 0; c < unknowns_; ++c) {
-            place_[c] = system.cells[c].number - first + margin;
-            if (c % chunkSize == 0) firstRun_.push_back(int(runs_.size()));
-            if (c % chunkSize == 0 || place_[c] != place_[c - 1] + 1) runs_.push_back({place_[c], place_[c]});
-            runs_.back().last = place_[c] + 1;
-        }
-        firstRun_.push_back(int(runs_.size()));
-        offset_ = margin - first;
-        for (int a = 0; a < corners<Dim>; ++a) {
-            toCorner_[a] = 0;
-            for (int k = 0; k < Dim; ++k) toCorner_[a] += cornerSign(a, k) > 0 ? strides[k] : 0;
-        }
-        for (int k = 0; k < Dim; ++k)
-            for (auto* one : {&flows_[0][k], &flows_[1][k], &nodeSteps_[k]}) one->assign(size, 0.0);
-        coarse_.start(place_, size, first - margin, strides);
+        for (int c = 0; c < unknowns_; ++c) place_[c] = system.placeOf(c);
+        const int size = system.runs.places.size;
+        for (auto& one : nodeSteps_) one.assign(size, 0.0);
+        coarse_.start(place_, size, -system.runs.places.offset, strides);
         for (auto& one : beyond_) one.assign(size, 0.0);
         for (auto* one :
              {&diagonal_, &overDiagonal_, &limit_, &solution_, &residual_, &direction_, &product_})
             one->assign(size, 0.0);
     }
-    template <class F> void forRuns(int begin, F&& f) const {
-        const int chunk = begin / chunkSize;
-        for (int i = firstRun_[chunk]; i < firstRun_[chunk + 1]; ++i) f(runs_[i].first, runs_[i].last);
-    }
-    void spread(const std::vector<double>& values, std::vector<double>& places) const {
-        const double* from = values.data();
-        for (const Run& run : runs_) {
-            std::copy_n(from, run.last - run.first, places.data() + run.first);
-            from += run.last - run.first;
-        }
-    }
-    void collect(const std::vector<double>& places, std::vector<double>& values) const {
-        values.resize(unknowns_);
-        double* to = values.data();
-        for (const Run& run : runs_) to = std::copy(places.data() + run.first, places.data() + run.last, to);
-    }
-
     // Nodes that couple more than the cells around them, and what they do to each unknown.
     void findOthers(const PoreSystem<Dim>& system) {
         others_.clear();
@@ -199,27 +163,23 @@ template <int Dim> class PoreMatrix {
         return step;
     }
     // Copies what rows are made of to the places of the cells and nodes.
-    void spreadFlows(ParallelRegion& region, const PoreSystem<Dim>& system) {
+    void spreadSteps(ParallelRegion& region, const PoreSystem<Dim>& system) {
         region.chunksNoWait(unknowns_, [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) {
-                const int p = place_[c];
-                diagonal_[p] = system.cells[c].storage + system.cells[c].flow;
-                for (int side = 0; side < 2; ++side)
-                    for (int k = 0; k < Dim; ++k) flows_[side][k][p] = system.flows(c)[side][k];
-            }
+            for (int c = begin; c < end; ++c)
+                diagonal_[place_[c]] = system.cells[c].storage + system.cells[c].flow;
         });
         const int size = int(diagonal_.size());
         region.chunks(int(system.nodes.size()), [&](int begin, int end) {
             for (int n = begin; n < end; ++n) {
                 const auto& node = system.nodes[n];
-                const int p = node.number + offset_;
+                const int p = node.number + system.runs.places.offset;
                 if (p < 0 || p >= size) continue; // an other, away from the cells
                 for (int k = 0; k < Dim; ++k) nodeSteps_[k][p] = node.isOther ? 0 : node.step[k];
             }
         });
     }
     // Of rows what is on the diagonal and beyond, without the others and without flow to the neighbours.
-    void fillRows(int first, int last) {
+    void fillRows(const PoreSystem<Dim>& system, int first, int last) {
         for (auto& one : beyond_) std::fill(one.begin() + first, one.begin() + last, 0.0);
         for (int a = 0; a < corners<Dim>; ++a)
             for (int b = 0; b < corners<Dim>; ++b) {
@@ -227,8 +187,9 @@ template <int Dim> class PoreMatrix {
                 if (s < 0) continue;
                 double* const row = s > 0 ? beyond_[s - 1].data() : diagonal_.data();
                 for (int k = 0; k < Dim; ++k)
-                    addRow(row, flows_[cornerSign(a, 0) > 0][k].data(), nodeSteps_[k].data() + toCorner_[a],
-                           flows_[cornerSign(b, 0) > 0][k].data() + (s > 0 ? steps_[s - 1] : 0),
+                    addRow(row, system.runs.flows[cornerSign(a, 0) > 0][k].data(),
+                           nodeSteps_[k].data() + system.runs.places.toCorner[a],
+                           system.runs.flows[cornerSign(b, 0) > 0][k].data() + (s > 0 ? steps_[s - 1] : 0),
                            cornerSign(a, k) * cornerSign(b, k), first, last);
             }
     }
@@ -277,9 +238,9 @@ template <int Dim> class PoreMatrix {
     void findProduct(ParallelRegion& region, const PoreSystem<Dim>& system) {
         if (!others_.empty()) findImpulses(region, system);
         region.once([&] { sum_.clear(unknowns_); });
-        region.chunks(unknowns_, [&](int begin, int end) {
+        system.runs.places.forBlocks(region, [&](int begin, int end) {
             double sum = 0;
-            forRuns(begin, [&](int first, int last) { sum += multiplyRun(first, last); });
+            system.runs.places.forRuns(begin, [&](int first, int last) { sum += multiplyRun(first, last); });
             for (int i = ofCell_[begin], c = begin; i < ofCell_[end]; ++i) {
                 while (ofCell_[c + 1] <= i) ++c;
                 const double more = byCell_[i].flow.dot(impulse_[byCell_[i].at]);
@@ -320,7 +281,7 @@ template <int Dim> class PoreMatrix {
         });
         if (!system.respond) return;
         region.once([&] {
-            collect(direction_, unknown_);
+            system.runs.places.collect(direction_, unknown_);
             system.findActing(unknown_, acting_);
             answer_.assign(system.nodes.size(), Vec<Dim>::Zero());
             system.respond(acting_, answer_);
@@ -341,9 +302,9 @@ template <int Dim> class PoreMatrix {
 #pragma GCC ivdep
         for (int p = first; p < last; ++p) d[p] = over[p] * r[p] + pressure + part * d[p];
     }
-    void step(int begin, double length, double loss) {
+    void step(const PorePlaces<Dim>& places, int begin, double length, double loss) {
         double sum = 0, off = 0;
-        forRuns(begin, [&](int first, int last) {
+        places.forRuns(begin, [&](int first, int last) {
             stepRun(solution_.data(), residual_.data(), direction_.data(), product_.data(),
                     overDiagonal_.data(), limit_.data(), first, last, length, loss, sum, off);
         });
@@ -366,12 +327,12 @@ template <int Dim> class PoreMatrix {
     }
 
     // u += length d and r -= loss A d, and what is left.
-    void advance(ParallelRegion& region, double length, double loss) {
+    void advance(ParallelRegion& region, const PorePlaces<Dim>& places, double length, double loss) {
         region.once([&] {
             sum_.clear(unknowns_);
             count_.clear(unknowns_);
         });
-        region.chunks(unknowns_, [&](int begin, int) { step(begin, length, loss); });
+        places.forBlocks(region, [&](int begin, int) { step(places, begin, length, loss); });
         region.once([&] {
             now_ = sum_.total();
             off_ = count_.total();

@@ -67,11 +67,42 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
             for (int c = begin; c < end; ++c) state.inCells[c] = inCell(scene, state, c);
         });
         for (auto& wet : state.fill.wet)
-            region.chunksNoWait(wet.body->particles.size(), [&](int begin, int end) {
-                for (int p = begin; p < end; ++p)
+            region.chunksNoWait(wet.body->particles.size(), [&](int begin, int last) {
+                if (end.isLevel() && !wet.points.isInParts())
+                    return giveBelowLevel(state, wet, end, begin, last);
+                for (int p = begin; p < last; ++p)
                     if (wet.saturation[p] > 0) give(wet, p);
             });
     });
+}
+
+// The same below a level table, for particles that lie in one cell each.
+template <int Dim>
+void PoreWater::giveBelowLevel(const State<Dim>& state, WetBody<Dim>& wet, const WaterTable& water, int begin,
+                               int end) {
+    auto& particles = wet.body->particles;
+    const double *const volume = particles.initialVolume.plane(), *const mass = particles.mass.plane();
+    std::array<const double*, Dim> x;
+    std::array<double*, Dim> force, flow = wet.flow;
+    for (int k = 0; k < Dim; ++k) {
+        x[k] = particles.position.plane(k);
+        force[k] = particles.bodyForce.plane(k);
+    }
+    const double level = water.level<Dim>(Vec<Dim>::Zero()), weight = water.weight;
+    const int* const cell = wet.cell.data();
+    for (int p = begin; p < end; ++p) {
+        if (!(wet.saturation[p] > 0)) continue;
+        const auto& in = state.inCells[state.system.cellAt(cell[p])];
+        double pressure = in.excess;
+        for (int k = 0; k < Dim; ++k) {
+            pressure += in.slope[k] * x[k][p];
+            flow[k][p] = in.flow[k] + in.gain[k] * x[k][p];
+            force[k][p] = 0;
+        }
+        const double below = weight > 0 ? weight * std::max(0.0, level - x[Dim - 1][p]) : 0;
+        wet.pressure[p] = pressure + below;
+        force[Dim - 1][p] = below > 0 ? volume[p] / mass[p] * weight : 0;
+    }
 }
 
 // Water has the reference pressure around all that is below the table: soil that is full of it, and what has

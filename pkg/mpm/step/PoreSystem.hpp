@@ -18,6 +18,7 @@
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/particle/apdi/APDIShape.hpp"
 #include "mpm/state/cover.hpp"
+#include "mpm/step/PoreRuns.hpp"
 
 #include <algorithm>
 #include <array>
@@ -45,6 +46,7 @@ template <int Dim> class PoreSystem {
         Vec<Dim> step;             // dt over the mass where it may move, else 0, s/Mg
         std::array<int, NC> cells; // around it, -1: none; in the order of its corner in them
         int number;                // of the grid
+        bool isPlain = true;       // pressure acts on it from the cells around it alone, by their corners
         bool isOther = false;      // couples more than the cells around it
     };
     struct Face {
@@ -82,6 +84,7 @@ template <int Dim> class PoreSystem {
     std::vector<Outlet> outlets;
     std::vector<Part> parts; // with nodes of the grid until addNodes()
     std::vector<Share> shares;
+    PoreRuns<Dim> runs;                          // of the unknowns
     std::vector<std::array<Vec<Dim>, 2>> speeds; // flow through the faces of each unknown's cell, m/s
     // Adds what implicit bodies change in the velocities of the nodes, by the pressure that acts in the
     // cells.
@@ -115,6 +118,7 @@ template <int Dim> class PoreSystem {
         ownNodes_ = int(nodes.size());
         keptHalf_ = half;
         ++shape;
+        runs.start(numbers, grid.strides);
     }
     // Behind all others.
     Cell& addHandingCell(const Grid<Dim>& grid, int number) {
@@ -150,23 +154,27 @@ template <int Dim> class PoreSystem {
             cells[outlet.cell].flow += outlet.conductance;
             cells[outlet.cell].source += outlet.source;
         }
-        flows_.resize(cells.size());
-        for (size_t c = 0; c < cells.size(); ++c)
-            for (int side = 0; side < 2; ++side) flows_[c][side] = cells[c].volume * slopes_[c][side];
+        for (int c = 0; c < unknowns; ++c) runs.set(placeOf(c), cells[c].volume, slopes_[c]);
         flow_.resize(cells.size());
         ofShare_.assign(cells.size() + 1, 0);
         for (const Share& share : shares) ++ofShare_[share.from + 1];
         for (size_t c = 0; c < cells.size(); ++c) ofShare_[c + 1] += ofShare_[c];
+        for (size_t n = 0; n < nodes.size(); ++n) {
+            Node& node = nodes[n];
+            node.isPlain = ofNode_[n + 1] == ofNode_[n];
+            for (int c : node.cells)
+                node.isPlain &=
+                    c < 0 || (c < unknowns && cells[c].own == 1 && ofShare_[c + 1] == ofShare_[c]);
+        }
     }
+    int placeOf(int cell) const { return cells[cell].number + runs.places.offset; }
     // Of B what a corner has of a cell, m2.
     Vec<Dim> cornerFlow(int cell, int corner) const {
-        const Vec<Dim>& size = flows_[cell][cornerSign(corner, 0) > 0];
+        const Vec<Dim>& size = slopes_[cell][cornerSign(corner, 0) > 0];
         Vec<Dim> flow;
-        for (int k = 0; k < Dim; ++k) flow[k] = cornerSign(corner, k) * size[k];
+        for (int k = 0; k < Dim; ++k) flow[k] = cornerSign(corner, k) * cells[cell].volume * size[k];
         return flow;
     }
-    // The same of the corners on both sides along the first axis, without the signs of the corners.
-    const std::array<Vec<Dim>, 2>& flows(int cell) const { return flows_[cell]; }
     // The step of a node with what implicit bodies answer there.
     Vec<Dim> wholeStep(int node) const {
         return stiffSteps.empty() ? nodes[node].step : Vec<Dim>(nodes[node].step + stiffSteps[node]);
@@ -184,20 +192,22 @@ template <int Dim> class PoreSystem {
     }
     // Once the steps of the nodes are known: which couple more than the cells around them.
     void findOthers() {
-        for (size_t n = 0; n < nodes.size(); ++n) {
-            Node& node = nodes[n];
-            node.isOther = ofNode_[n + 1] > ofNode_[n] || (!stiffSteps.empty() && !stiffSteps[n].isZero());
-            for (int c : node.cells)
-                node.isOther = node.isOther || (c >= 0 && (c >= unknowns || ofShare_[c + 1] > ofShare_[c]));
-        }
+        for (size_t n = 0; n < nodes.size(); ++n)
+            nodes[n].isOther = !nodes[n].isPlain || (!stiffSteps.empty() && !stiffSteps[n].isZero());
     }
 
     // What flows out as the nodes move for dt, m3/s: B v, and what the volumes of the cells have of higher order.
     // Without that, soil that flows is compressed by its squared rate of shear, step after step.
     void flowOut(ParallelRegion& region, const std::vector<Vec<Dim>>& velocity, double dt,
                  std::vector<double>& out) {
+        region.chunks(int(nodes.size()), [&](int begin, int end) {
+            for (int n = begin; n < end; ++n) runs.setVelocity(nodes[n].number, velocity[n]);
+        });
+        if (rings_.empty()) runs.flowOut(region, dt, flow_);
         region.chunks(int(cells.size()), [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) flow_[c] = flowOf(c, velocity, dt);
+            for (int c = begin; c < end; ++c)
+                if (c >= unknowns || !rings_.empty() || ofCell_[c] < ofCell_[c + 1])
+                    flow_[c] = flowOf(c, velocity, dt);
         });
         region.once([&] {
             handFlow();
@@ -210,7 +220,15 @@ template <int Dim> class PoreSystem {
         for (size_t c = 0; c < cells.size(); ++c) acting[c] = int(c) < unknowns ? cells[c].own * u[c] : 0;
         for (const Share& share : shares) acting[share.from] += share.part * u[share.to];
     }
-    // B^T u on a node, by what acts in the cells, kN.
+    // B^T u on all plain nodes, by what acts in the cells; for foundForce().
+    void findForces(ParallelRegion& region, const std::vector<double>& acting) {
+        runs.findForces(region, acting);
+    }
+    // On a node, kN, by what acted there.
+    Vec<Dim> foundForce(const Node& node, const std::vector<double>& acting) const {
+        return node.isPlain ? runs.force(node.number) : force(node, acting);
+    }
+    // On a node, kN.
     Vec<Dim> force(const Node& node, const std::vector<double>& acting) const {
         Vec<Dim> f = Vec<Dim>::Zero();
         const size_t number = &node - nodes.data();
@@ -314,11 +332,10 @@ template <int Dim> class PoreSystem {
     // Of the hat functions of corners in each cell, 1/m, with the sign of the corner: of those before and beyond the
     // middle along the first axis, which differ with axial symmetry.
     std::vector<std::array<Vec<Dim>, 2>> slopes_;
-    std::vector<std::array<Vec<Dim>, 2>> flows_; // times the volume of the cell, m2
-    struct Ring {                                // that a cell is with axial symmetry
-        Vec<Dim> overEdges;                      // 1/m
-        double part;                             // of the second moments, see Grid::ringMoment()
-        double middle;                           // radius over the edge
+    struct Ring {           // that a cell is with axial symmetry
+        Vec<Dim> overEdges; // 1/m
+        double part;        // of the second moments, see Grid::ringMoment()
+        double middle;      // radius over the edge
     };
     std::vector<Ring> rings_;  // of the cells; empty: there is no axial symmetry
     std::vector<int> ofShare_; // first share from each cell, and the end

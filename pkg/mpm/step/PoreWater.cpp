@@ -161,10 +161,10 @@ template <int Dim> void PoreWater::loadNodes(Scene<Dim>& scene) {
     state.system.addNodes(scene.grid);
     state.system.finish();
     findMovers(scene, state);
-    state.system.findActing(state.before, state.acting);
+    findForces(scene, state, state.before);
     for (Mover<Dim>& mover : state.movers) {
         const auto& node = state.system.nodes[mover.node];
-        mover.force = mover.part * state.system.force(node, state.acting);
+        mover.force = mover.part * state.system.foundForce(node, state.acting);
         auto& sum = scene.grid.fields[mover.group].sum[node.number];
         for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum, k, mover.force[k]);
     }
@@ -215,7 +215,14 @@ template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& s
         for (int c = 0; c < system.unknowns; ++c)
             state.given[c] -= system.cells[c].storage * state.change[c] + state.away[c];
     }
-    system.findActing(state.change, state.acting);
+    findForces(scene, state, state.change);
+}
+
+// Of a pressure on the nodes.
+template <int Dim>
+void PoreWater::findForces(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& pressure) {
+    state.system.findActing(pressure, state.acting);
+    parallel(scene.threads, [&](ParallelRegion& region) { state.system.findForces(region, state.acting); });
 }
 
 template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
@@ -249,7 +256,7 @@ template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& sta
         const auto& node = state.system.nodes[mover.node];
         auto& field = scene.grid.fields[mover.group];
         const auto& sum = field.sum[node.number];
-        const Vec<Dim> force = mover.part * state.system.force(node, state.acting);
+        const Vec<Dim> force = mover.part * state.system.foundForce(node, state.acting);
         mover.force += force;
         auto& motion = field.motion[node.number];
         for (int k = 0; k < Dim; ++k) {
@@ -312,7 +319,7 @@ template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
         if (mover.stiff >= 0) continue;
         const auto& node = system.nodes[mover.node];
         auto& field = scene.grid.fields[mover.group];
-        const Vec<Dim> more = mover.part * mover.step.cwiseProduct(system.force(node, state.acting));
+        const Vec<Dim> more = mover.part * mover.step.cwiseProduct(system.foundForce(node, state.acting));
         for (int k = 0; k < Dim; ++k)
             if (more[k] != 0) field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
     }

@@ -92,6 +92,8 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> static void findMovers(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void setSteps(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim>
+    static void findForces(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& pressure);
+    template <int Dim>
     static void findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting);
     template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution);
     template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u);
@@ -101,6 +103,9 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void keepForNext(const State<Dim>& state);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim>
+    static void giveBelowLevel(const State<Dim>& state, WetBody<Dim>& wet, const WaterTable& water, int begin,
+                               int end);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
     template <int Dim> InCell<Dim> inCell(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
     template <int Dim> void liftAll(Scene<Dim>& scene, double time, bool areWet);

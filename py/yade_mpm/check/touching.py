@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ..engine.poreWater import waterOf
 from ..geometry.mesh import Mesh, boundaryFacets
 from ..geometry.numbers import placeText
 
@@ -79,6 +80,11 @@ def _thinWall(scene, body, soils):
             "straight wall of half a cell or more, without rigid bodies and USF; else give cells of "
             f"{thin / THIN:.3g} m at most"
         )
+        if thin < (1 - ROUNDOFF) * size and waterOf(scene):
+            yield (
+                f"PoreWater: '{body.name}' is {thin:.3g} m thick at {place}, less than a cell of {size:.3g} "
+                f"m: water flows through it; give cells of {thin:.3g} m at most"
+            )
         return
 
 

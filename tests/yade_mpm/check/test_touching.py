@@ -58,6 +58,18 @@ def test_a_wall_thinner_than_half_a_cell_is_warned_of_though_it_parts_soil():
     assert told(MESH, thickness=0.5, cell=1.0, beside=False, boxes=fine) == []
 
 
+@pytest.mark.parametrize("thickness, isTold", [(0.25, True), (0.5, False)])
+def test_water_flows_through_a_wall_thinner_than_a_cell(thickness, isTold):
+    """Two and a half times as much as below a sheet pile, at half a cell."""
+    scene = mpm.Scene((0, 0), (8, 5), 0.5, gravity=9.81, threads=1)
+    elastic, shape = mpm.LinearElastic(density=2, young=1e4, poisson=0.2), box((4, 1), (4 + thickness, 4))
+    soil = scene.add("soil", box((0, 0), (8, 4)) - shape, elastic, BOXES, water=mpm.PoreWater(table=4.0))
+    wall = scene.add("wall", shape, elastic, MESH)
+    scene.contact(wall, soil)
+    texts = warningsOf(lambda: scene.run(steps=1, progress=False), "PoreWater: 'wall'")
+    assert [text.endswith("give cells of 0.25 m at most") for text in texts] == [True] * isTold
+
+
 def test_walls_that_lean_are_found_too():
     (text,) = told(MESH, thickness=0.75, tilt=0.1)
     assert "'wall' is 0.746 m thick" in text

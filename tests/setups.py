@@ -87,11 +87,32 @@ def restarted(scene, steps):
     return other
 
 
-def workOf(point, increment, steps=200):
-    """Work of the stress of a material point along a strain, by the initial volume, kJ/m3."""
+def workOf(point, increment, steps=200, power=1):
+    """Work of the stress of a material point along a strain, by the initial volume, kJ/m3; power=0: by the
+    present one, as of a law that does not know its volume."""
     work = 0.0
     for _ in range(steps):
-        before, J = point.stress, np.linalg.det(point.deformationGradient)
-        after, K = point.strain(increment / steps), np.linalg.det(point.deformationGradient)
+        before, J = point.stress, np.linalg.det(point.deformationGradient) ** power
+        after, K = point.strain(increment / steps), np.linalg.det(point.deformationGradient) ** power
         work += 0.5 * np.sum((J * before + K * after) * increment) / steps
     return work
+
+
+def strainUnderPressure(stress, bulk, shear, m, smallest=1.0, reference=100.0):
+    """Elastic strain of a stress whose moduli follow the pressure (equation 6.9), and the factor on the
+    moduli and on the shear modulus there."""
+    core = max(1 - m, 0.1)
+
+    def tangent(P):
+        return (P / reference) ** m
+
+    def linear(P):
+        more = np.log(P / smallest) if m == 1 else ((P / smallest) ** (1 - m) - 1) / (1 - m)
+        return smallest / tangent(smallest) * (1 / core + more)
+
+    scale = tangent(reference) * linear(reference) / reference
+    mean = np.trace(stress) / 3
+    deviator = stress - mean * np.eye(3)
+    P = np.sqrt(mean**2 + bulk / (scale * shear) * 0.5 * (deviator**2).sum())
+    k = P / linear(P) if smallest < P else core * tangent(smallest)
+    return deviator / (2 * k * scale * shear) + mean / (3 * k * bulk) * np.eye(3), k, scale

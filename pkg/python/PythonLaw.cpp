@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A law whose stress a Python function finds, for all particles of a body in one call.
 #include "mpm/material/hypoelastic.hpp"
-#include "mpm/material/stiffening.hpp"
+#include "mpm/material/pressureDependence.hpp"
 #include "python.hpp"
 
 #include <iterator>
@@ -56,7 +56,7 @@ template <class F> void withPython(const std::string& who, F&& f) {
     }
 }
 
-class PythonLaw : public StiffeningOf<PythonLaw> {
+class PythonLaw : public MaterialOf<PythonLaw> {
   public:
     std::string className() const override { return "PythonLaw"; }
     std::string doc() const override {
@@ -109,7 +109,7 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
     }
     bool yields() const override { return yields_; }
     bool takesWholeBody() const override { return true; }
-    std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> lame() const override { return moduliAt(0); }
     void stateFromStress(const double*, double*) const override {}
 
     // function(count, numbers, planes): see yade_mpm/material/outside.py.
@@ -121,12 +121,32 @@ Source: Hughes & Winget 1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
         withPython(who, [&] { callFunction(points); });
     }
 
+    template <int N> void findStiffness(const MaterialPoints<N>& points, double* lambda, double* mu) const {
+        for (int i = 0; i < points.count; ++i) {
+            const auto its = moduliAt(-invariants(points, i).mean);
+            lambda[i] = its[0];
+            mu[i] = its[1];
+        }
+    }
+
   private:
+    std::array<double, 2> moduliAt(double pressure) const {
+        const double factor = pressure_.isGiven() ? pressure_.power(pressure) : 1;
+        return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
+    }
+    // Factor on the moduli of particle i in the step; points have the stress at its start.
+    template <int N> double factorOf(const MaterialPoints<N>& points, int i) const {
+        if (!pressure_.isGiven()) return 1;
+        return pressure_.overStep(elasticity_.bulk(), -invariants(points, i).mean,
+                                  -trace(incrementOf(points, i).strain));
+    }
+
     static constexpr int plane[6] = {0, 4, 8, 1, 2, 5};
     std::string law_, stateNames_;
     std::vector<std::string> names_;
     std::vector<double> states_;
     Elasticity elasticity_;
+    PressureDependence pressure_;
     bool yields_ = true;
     bp::object function_;
 

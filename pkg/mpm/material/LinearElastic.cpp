@@ -82,16 +82,17 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
     }
     static constexpr bool takesHoopRate = true;
     std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     static constexpr bool hasPotential = true;
 
     void stateFromStress(const double stress[9], double* state) const override {
         const double factor = secantAt(stress);
+        const auto [lambda, mu] = linearModuli();
         Mat<3> tau;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) tau(i, j) = stress[3 * std::min(i, j) + std::max(i, j)] / factor;
         const double volumetric = tau.trace() / (3 * elasticity_.bulk());
-        const Mat<3> eps =
-            (tau - elasticity_.lambda() * volumetric * Mat<3>::Identity()) / (2 * elasticity_.mu());
+        const Mat<3> eps = (tau - lambda * volumetric * Mat<3>::Identity()) / (2 * mu);
         const Mat<3> e = exponentialMinusIdentity(2 * eps);
         for (int k = 0; k < 6; ++k) state[k] = e(row[k], column[k]);
     }

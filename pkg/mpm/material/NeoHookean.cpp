@@ -38,6 +38,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
         elasticity_.finish(className());
     }
     std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     static constexpr bool hasPotential = true;
 
     void stateFromStress(const double stress[9], double*) const override {

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Elastic moduli over the pressure: E = E_ref (p/p_ref)^m. Strain and pressure are positive in compression here.
+// Elastic moduli over the pressure, from an energy (Houlsby, Amorosi & Rojas 2005, Geotechnique 55, 383-392). With the
+// elastic strain e, W(e) the energy of constant moduli K, G/(1 - m) and P0 = sqrt(2 K W), the stress is that of the
+// constant moduli times P/P0, where dP/dP0 = (P/p_ref)^m. P is sqrt(p^2 + (1 - m) K J2/G). At isotropic stress K and G
+// are then the given ones times (p/p_ref)^m; where m is 1, the form has no strain at p = 0, and G is so at p_ref.
+// Pressure is positive in compression here.
 #pragma once
 
 #include "mpm/base/parameters.hpp"
@@ -23,36 +27,56 @@ class PressureDependence {
              &smallest, Range::positive()}};
     }
 
-    // Factor on the moduli at a pressure.
-    double tangent(double p) const { return of(1).stiffness(p); }
-    // Factor on the moduli in a step from the pressure p with the elastic volumetric strain e: what the pressure gains
-    // over bulk e, exactly, so that the same strains backwards lead back to p.
+    // Of a law that has its stress alone, and no energy: the factor on its moduli at a pressure, and in a step from p with
+    // the elastic volumetric strain e, by what the pressure gains over bulk e.
+    double power(double p) const { return law().stiffness(p); }
     double overStep(double bulk, double p, double e) const {
-        const PressureStiffness law = of(bulk);
-        if (e == 0) return tangent(p);
-        if (p <= smallest && law.strain(p) + e <= 0) return tangent(0);
-        const double power = 1 - exponent, gain = law.stiffness(p) * e / p;
-        if (p > smallest && power * gain > -1) {
-            const double grown = std::expm1(power == 0 ? gain : std::log1p(power * gain) / power);
+        const PressureStiffness its{bulk, reference, exponent, smallest};
+        if (e == 0) return power(p);
+        if (p <= smallest && its.strain(p) + e <= 0) return power(0);
+        const double part = 1 - exponent, gain = its.stiffness(p) * e / p;
+        if (p > smallest && part * gain > -1) { // the form without cancellation
+            const double grown = std::expm1(part == 0 ? gain : std::log1p(part * gain) / part);
             if (p * (1 + grown) >= smallest) return p * grown / (bulk * e);
         }
-        return (law.pull(law.strain(p) + e) - p) / (bulk * e);
+        return (its.pull(its.strain(p) + e) - p) / (bulk * e);
     }
-
-    // For a law with a potential W(strain). With constant moduli P_0 = sqrt(2 K W) is the size of its stress: of a linear
-    // law P_0^2 = p^2 + K/mu J2. pressure() is the size P with this dependence at the same strain, linear() P_0 of P.
-    double pressure(double bulk, double linear) const {
-        const PressureStiffness law = of(bulk);
-        return law.pull(linear / bulk - smallest / law.stiffness(smallest));
-    }
-    double linear(double bulk, double pressure) const {
-        const PressureStiffness law = of(bulk);
-        return bulk * (law.strain(pressure) + smallest / law.stiffness(smallest));
-    }
-    double energy(double bulk, double p) const { return of(bulk).energy(p); } // the integral of p dp/K
 
   private:
-    PressureStiffness of(double bulk) const { return {bulk, reference, exponent, smallest}; }
+    PressureStiffness law() const { return {1, reference, exponent, smallest}; }
+};
+
+// The energy of a law with the moduli K and G. shear: G' of W.
+class PressureEnergy {
+  public:
+    double bulk, shear;
+
+    PressureEnergy(const PressureDependence& given, double K, double G)
+        : bulk(K), law_{1, given.reference, given.exponent, given.smallest},
+          core_(std::max(1 - given.exponent, softest) * law_.stiffness(0)), end_(given.smallest / core_) {
+        const double P = std::max(given.reference, given.smallest);
+        shear = tangent(P) / secant(linear(P)) * G;
+    }
+
+    // P of a stress, P0 of one of constant moduli, by its mean and J2.
+    double size(double mean, double J2) const { return std::sqrt(mean * mean + bulk / shear * J2); }
+    double tangent(double P) const { return P < law_.smallest ? core_ : law_.stiffness(P); } // dP/dP0
+    double pressure(double P0) const { return P0 < end_ ? core_ * P0 : law_.pull(P0 - end_); }
+    double linear(double P) const { return P < law_.smallest ? P / core_ : end_ + law_.strain(P); } // P0
+    double secant(double P0) const { return P0 > 0 ? pressure(P0) / P0 : core_; }
+    double secantAt(double P) const { return P > 0 ? P / linear(P) : core_; }
+    double density(double P) const { // of energy: the integral of P dP0/K
+        const double least = std::min(P, law_.smallest);
+        return (law_.energy(P) + 0.5 * least * (least / core_ - least / law_.stiffness(0))) / bulk;
+    }
+
+  private:
+    // The power law has 1/(1 - m) of the strain up to the smallest pressure that its modulus there tells, and so has the
+    // line that stands for it. Near m = 1 the line is no softer than this: with half and twice of it, G at m = 1 is
+    // off its power by 10 and 31 % at p_ref/10 (19 %).
+    static constexpr double softest = 0.1;
+    PressureStiffness law_;
+    double core_, end_; // modulus of the line, and P0 at its end
 };
 
 } // namespace mpm

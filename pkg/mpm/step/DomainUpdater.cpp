@@ -85,7 +85,6 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     struct OfParticles {
         std::vector<double> own, dilation; // rates of volume change: of each by itself, what F-bar adds, 1/s
         std::vector<double> stress, gain;  // mean stress; what it gains to be linear in the cells, kPa
-        std::vector<double> bulk, elastic; // where moduli vary: modulus, kPa, and elastic strain of the gain
         std::vector<double> open;          // volume with the opening over that of the solid
     };
     OfParticles its_;
@@ -223,8 +222,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             cells.give(number, dilation, [&](int, int p) { return rate - own[p]; });
         });
         const MeanOfStress<Dim> mean(body.particles.stress, scene.grid);
+        const auto* following = followingOf(*body.material);
         const auto takeMeans = [&](int begin, int end) {
             for (int p = begin; p < end; ++p) stress[p] = mean(p);
+            if (following) divide<N>(body, begin, end, *following, stress + begin);
         };
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {
@@ -247,51 +248,32 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         cells.template average<true>(region, volume, present,
                                      [](int, auto& cell, const auto& ofStress) { cell.take(ofStress); });
         cells.giveLinear(region, scene.grid, stress, gain);
-        const auto* following = dynamic_cast<const FollowingPressure*>(body.material.get());
-        if (following && following->followsPressure()) return keepElasticVolume(region, body);
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             cells.collect(begin, end, gain);
-            takeLinear(body, begin, end, gain + begin);
+            following ? addElastic<N>(body, begin, end, *following, gain + begin)
+                      : takeLinear(body, begin, end, gain + begin);
         });
     }
-    // With moduli of the pressure, what keeps the mean stress of a cell changes its elastic volume. So each particle takes
-    // the linear change d, and all of a cell give back the mean of the elastic strain that it makes, the integral of
-    // dp/K by Simpson's rule.
-    template <int Dim> void keepElasticVolume(ParallelRegion& region, Body<Dim>& body) {
-        auto& cells = body.cellAverage;
-        const int n = body.particles.size();
-        region.once([&] {
-            for (auto* of : {&its_.bulk, &its_.elastic}) of->resize(std::max(of->size(), size_t(n)));
-        });
-        double *gain = its_.gain.data(), *elastic = its_.elastic.data(), *present = its_.bulk.data();
-        region.chunks(n, [&](int begin, int end) {
-            if (cells.areAlone(begin)) return;
-            cells.collect(begin, end, gain);
-            double half[chunkSize], bulk[3][chunkSize];
-            for (int p = begin; p < end; ++p) half[p - begin] = 0.5 * gain[p];
-            for (int part = 0; part < 3; ++part) {
-                if (part > 0) addMean(body, begin, end, half);
-                findBulk(body, begin, end, bulk[part]);
-            }
-            for (int i = 0; i < end - begin; ++i) {
-                elastic[begin + i] = half[i] / 3 * (1 / bulk[0][i] + 4 / bulk[1][i] + 1 / bulk[2][i]);
-                present[begin + i] = bulk[2][i];
-            }
-            addPlastic(body, begin, end, elastic + begin);
-        });
-        const auto of = [&](int p) { return elastic[p]; };
-        cells.template average<false>(region, body.particles.volume.plane(), of,
-                                      [&](int number, auto&, const auto& mean) {
-                                          cells.give(number, elastic, [&](int, int) { return -mean.value; });
-                                      });
-        region.chunks(n, [&](int begin, int end) {
-            if (cells.areAlone(begin)) return;
-            cells.collect(begin, end, elastic);
-            addPlastic(body, begin, end, elastic + begin);
-            for (int p = begin; p < end; ++p) gain[p] = elastic[p] * present[p];
-            addMean(body, begin, end, gain + begin);
-        });
+    static const FollowingPressure* followingOf(const Material& material) {
+        const auto* following = dynamic_cast<const FollowingPressure*>(&material);
+        return following && following->followsPressure() ? following : nullptr;
+    }
+    // A mean stress that is linear in a cell keeps its elastic volume where the moduli are constant: that over the factors.
+    template <int N, int Dim>
+    static void divide(Body<Dim>& body, int begin, int end, const FollowingPressure& following,
+                       double* mean) {
+        double factor[chunkSize];
+        std::vector<double*> state(body.particles.state.size());
+        following.findFactors(body.template points<N>(begin, end, 0, state.data()), factor);
+        for (int i = 0; i < end - begin; ++i) mean[i] /= factor[i];
+    }
+    template <int N, int Dim>
+    static void addElastic(Body<Dim>& body, int begin, int end, const FollowingPressure& following,
+                           double* change) {
+        std::vector<double*> state(body.particles.state.size());
+        following.addMean(body.template points<N>(begin, end, 0, state.data()), change);
+        addPlastic(body, begin, end, change);
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the

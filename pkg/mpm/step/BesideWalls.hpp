@@ -25,8 +25,8 @@ template <int Dim> class BesideWalls {
             if (!isFixed_.back() || face.nodes.empty()) continue;
             // Nodes are in their order, and those of a face are a box.
             const int first = face.nodes.front(), last = face.nodes.back();
-            zones_.push_back({scene.grid.nodePosition(first) - scene.grid.twoCells(first),
-                              scene.grid.nodePosition(last) + scene.grid.twoCells(last)});
+            zones_.push_back({scene.grid.nodePosition(first), scene.grid.nodePosition(last),
+                              scene.grid.twoCells(first), scene.grid.twoCells(last)});
         }
     }
     // Before the particles move, and keep the share flip of their velocity.
@@ -35,11 +35,13 @@ template <int Dim> class BesideWalls {
         for (auto& body : scene_.bodies) {
             if (isSolvedImplicitly(scene_, *body)) continue;
             const int n = body->particles.size();
+            // Points on a lattice reach three nodes along an axis at most; on graded grids the second cell may be wider.
+            const double part = body->domains->boxes() && !scene_.grid.isGraded() ? 0.75 : 1;
             std::vector<std::vector<Loss>> losses(chunksOf(n));
             parallel(scene_.threads, [&](ParallelRegion& region) {
                 region.chunks(n, [&](int begin, int end) {
                     for (int p = begin; p < end; ++p)
-                        if (isNear(body->particles, p)) brake(*body, p, losses[begin / chunkSize]);
+                        if (isNear(body->particles, p, part)) brake(*body, p, losses[begin / chunkSize]);
                 });
             });
             for (const auto& chunk : losses)
@@ -53,7 +55,7 @@ template <int Dim> class BesideWalls {
 
   private:
     struct Zone {
-        Vec<Dim> lower, upper; // m, that particles which reach the face have their centres in
+        Vec<Dim> lower, upper, before, beyond; // m; of the face, and two cells before and beyond it
     };
     struct Loss {
         int face, axis;
@@ -64,12 +66,14 @@ template <int Dim> class BesideWalls {
     std::vector<char> isFixed_; // each constraint
     std::vector<Zone> zones_;
 
-    bool isNear(const Particles<Dim>& particles, int p) const {
+    // Whether a particle has its centre within a part of two cells of a face.
+    bool isNear(const Particles<Dim>& particles, int p, double part) const {
         for (const Zone& zone : zones_) {
             bool is = true;
             for (int k = 0; k < Dim; ++k) {
                 const double x = particles.position.plane(k)[p];
-                is &= x >= zone.lower[k] && x <= zone.upper[k];
+                is &=
+                    x >= zone.lower[k] - part * zone.before[k] && x <= zone.upper[k] + part * zone.beyond[k];
             }
             if (is) return true;
         }
@@ -77,15 +81,19 @@ template <int Dim> class BesideWalls {
     }
     void brake(Body<Dim>& body, int p, std::vector<Loss>& losses) const {
         const auto& field = scene_.grid.fields[body.velocityField];
-        Vec<Dim> fixed = Vec<Dim>::Zero(), moving = fixed, r = fixed, mean = fixed, x;
-        int face[Dim];
+        Vec<Dim> fixed = Vec<Dim>::Zero(), moving = fixed, r = fixed, mean = fixed, most = fixed, x;
+        const int count = scene_.grid.count;
+        int face[Dim]; // of the node with the largest weight
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
+            if (phi == 0) return;
             const auto& motion = field.motion[node];
+            const auto& holder =
+                field.holder[node < count ? node : node - count]; // of soil on two sides of a wall
             for (int k = 0; k < Dim; ++k) {
-                const int c = field.holder[node % scene_.grid.count][k];
+                const int c = holder[k];
                 if (c >= 0 && isFixed_[c]) {
                     fixed[k] += phi;
-                    face[k] = c;
+                    if (phi > most[k]) most[k] = phi, face[k] = c;
                 } else
                     moving[k] += phi * (motion[NF::velocity + k] - scene_.dt * motion[NF::acceleration + k]);
             }

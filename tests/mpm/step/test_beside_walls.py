@@ -70,6 +70,25 @@ def test_the_face_takes_the_momentum(kind, scheme):
     assert body.mass @ body.velocity - before == pytest.approx(floor.impulse[:2], abs=1e-12)
 
 
+@pytest.mark.parametrize("sides", [("left", "bottom"), ("right", "top")])
+def test_a_face_takes_from_none_that_does_not_reach_it(sides):
+    """Boxes a cell away from the side: all that they lose goes to the face that they lie on."""
+    scene = mpm.Scene((0, 0), (4, 4), 0.5, threads=1)
+    scene.fix(*sides)
+    x, y = ((0.5, 1), (0, 0.5)) if "left" in sides else ((3, 3.5), (3.5, 4))
+    law = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+    body = scene.add("row", box((x[0], y[0]), (x[1], y[1])), law, mpm.UGIMP(perCell=2))
+    outer = np.abs(body.position[:, 1] - 2) > 1.75
+    body.velocity[:, 0] = np.where(outer, 0.3, -0.1)  # the nodes rest
+    before = body.mass @ body.velocity
+    scene.dt = 1e-3
+    scene.run(steps=1, progress=False)
+    side, other = scene.constraints
+    assert np.abs(side.impulse).max() == 0
+    assert np.abs(other.impulse).max() > 1e-6
+    assert body.mass @ body.velocity - before == pytest.approx(other.impulse[:2], abs=1e-12)
+
+
 @everyType
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("profile", [lambda z: z, lambda z: 1 + 0 * z], ids=["shears", "slides"])

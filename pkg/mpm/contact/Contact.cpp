@@ -114,7 +114,7 @@ std::vector<Parameter> Contact::attributes() {
          recordsOf(lastImpulses.rows)},
         {"pressing", "",
          "Sites that pressed on each other in the last step, for USF: pair of groups, body of a mesh (-1: a node), "
-         "vertex or\nnode, and 1 where they stuck.",
+         "vertex or\nnode, face of a vertex at an edge, and 1 where they stuck.",
          &pressed.numbers},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses},

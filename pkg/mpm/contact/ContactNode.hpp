@@ -80,6 +80,13 @@ template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim>
     Vec<Dim> position = Vec<Dim>::Zero();
     double otherS[SurroundingNodes<Dim>::size]; // of the other group
 
+    // Which of several at an edge it is: the axis that it looks most along, 1 to 3, or down it.
+    int face() const {
+        int axis;
+        const Vec<Dim>& n = ContactSite<Dim>::normal;
+        n.cwiseAbs().maxCoeff(&axis);
+        return n[axis] > 0 ? axis + 1 : -axis - 1;
+    }
     SiteNodes<Dim> sites() const {
         return {this->size, this->contact, {side == 0 ? this->S : otherS, side == 0 ? otherS : this->S}};
     }

@@ -15,7 +15,7 @@ namespace mpm {
 struct SiteImpulse {
     int first = 0, second = 0; // velocity fields
     int body = -1, number = 0; // the body of a vertex, and the vertex; -1: a node of the grid
-    int face = 0; // of several at an edge the one that looks most along this axis: 1 to 3, or down it
+    int face = 0;              // of a vertex, see ContactPoint
     Vec3 impulse = Vec3::Zero();
 
     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
@@ -33,9 +33,7 @@ struct SiteImpulse {
         return {field[0], field[1], -1, node.node};
     }
     template <int Dim> static SiteImpulse of(const ContactPoint<Dim>& point, const int* field) {
-        int axis;
-        point.normal.cwiseAbs().maxCoeff(&axis);
-        return {field[0], field[1], point.body, point.vertex, point.normal[axis] > 0 ? axis + 1 : -axis - 1};
+        return {field[0], field[1], point.body, point.vertex, point.face()};
     }
 };
 

@@ -12,7 +12,7 @@ namespace mpm {
 
 class PressedSites {
   public:
-    static constexpr int perSite = 4; // numbers: a name (see forSites), and 1 where it stuck
+    static constexpr int perSite = 5; // numbers: a name (see forSites), and 1 where it stuck
     std::vector<double> numbers;
 
     template <int Dim> void note(const ContactSearch<Dim>& search) {
@@ -27,7 +27,8 @@ class PressedSites {
     template <int Dim> void recall(ContactSearch<Dim>& search, bool mayPart) const {
         std::map<Name, bool> last;
         for (size_t i = 0; i < numbers.size(); i += perSite)
-            last[{int(numbers[i]), int(numbers[i + 1]), int(numbers[i + 2])}] = numbers[i + 3] != 0;
+            last[{int(numbers[i]), int(numbers[i + 1]), int(numbers[i + 2]), int(numbers[i + 3])}] =
+                numbers[i + 4] != 0;
         forSites(search, [&](ContactSite<Dim>& site, const Name& name) {
             const auto found = last.find(name);
             const bool isClosed = !mayPart || site.gap + site.tolerated <= 0;
@@ -46,15 +47,18 @@ class PressedSites {
     }
 
   private:
-    using Name = std::array<int, 3>; // pair of groups, body of a mesh (-1: a node), vertex or node
+    // Pair of groups; body of a mesh, vertex and its face (see ContactPoint), or -1, node, 0.
+    using Name = std::array<int, 4>;
 
     template <class Search, class Visit> static void forSites(Search& search, Visit&& visit) {
         for (const auto& pair : search.pairs) {
             const int number = int(pairOf(pair.group[0], pair.group[1]));
             for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-                visit(search.nodes[i], Name{number, -1, search.nodes[i].node});
-            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i)
-                visit(search.points[i], Name{number, search.points[i].body, search.points[i].vertex});
+                visit(search.nodes[i], Name{number, -1, search.nodes[i].node, 0});
+            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
+                auto& point = search.points[i];
+                visit(point, Name{number, point.body, point.vertex, point.face()});
+            }
         }
     }
 };

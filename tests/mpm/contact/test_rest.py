@@ -97,6 +97,31 @@ def test_a_run_under_usf_goes_on_with_what_pressed(tmp_path):
     assert (scene["ground"].stress == again["ground"].stress).all()
 
 
+@usf
+def test_faces_at_an_edge_press_apart_under_usf():
+    """A corner of a mesh has a contact point for each of its faces, one of which may stick while another one
+    slides. With one name for both, each was taken for the other."""
+    h = 0.5
+    scene = mpm.Scene((0, 0), (7 * h, 8 * h), h, scheme="USF", threads=1)
+    soft = mpm.LinearElastic(density=1.8, young=2.5e3, poisson=0.0)
+    hard = mpm.LinearElastic(density=1.0, young=6e4, poisson=0.45)
+    hole = box((2 * h, 2 * h), (4 * h, 4 * h))
+    scene.add("ground", box((0, 0), (7 * h, 4 * h)) - hole, soft, mpm.UGIMP(perCell=2))
+    block = scene.add("block", box((2 * h, 2 * h), (4 * h, 5 * h)), hard, mpm.APDI(size=h), group="block")
+    block.velocity[:] = -0.15, -0.75
+    stages = engines(mpm.Contact(friction=0.3), gravity=(0, -9.81), fixed="bottom", roller="right")
+    scene.engines = [stages[0], stages.pop(), *stages[1:]]
+    (contact,) = (e for e in scene.engines if isinstance(e, mpm.Contact))
+    atEdges = 0
+    for _ in range(600):
+        scene.step()
+        names = np.reshape(contact.pressing, (-1, 5))[:, :-1]
+        assert len(np.unique(names, axis=0)) == len(names)
+        vertices = names[names[:, 1] >= 0, :3]
+        atEdges += len(vertices) - len(np.unique(vertices, axis=0))
+    assert atEdges > 100
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_what_both_sides_hold_takes_no_impulse(friction):
     """A block is driven into one layer of cells on a roller: its drive and the roller hold the vertical at

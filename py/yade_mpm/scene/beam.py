@@ -64,8 +64,9 @@ class Beam:
     size : m, between cross-sections, one to two cells; default: a cell.
 
     `region` is the place that it takes; of a line, once it is in a scene: add it before the ground. Its mass
-    is spread over the thickness of the mesh. The particles hold the forces per metre: `normalForce`, `shearForce`, `bendingMoment`, in 3D those along the width, too
-    (`hoopForce`, `hoopShear`, `hoopMoment`), `membraneShear` and `twistingMoment`.
+    is spread over the thickness of the mesh. The particles hold the forces per metre: `normalForce`,
+    `shearForce`, `bendingMoment`, in 3D those along the width, too (`hoopForce`, `hoopShear`, `hoopMoment`),
+    `membraneShear` and `twistingMoment`.
 
     Raises ValueError for a line that turns by more than 90 degrees, a width that is not across it, numbers
     that are not positive, a ratio outside of (-1, 0.5), limitMoment with GA or EIWidth in 3D; `scene.add`

@@ -10,7 +10,7 @@ namespace mpm {
 
 // k = next(k), from `first` on, by the secant method in ln k between bounds, else by halves. least: next(k) is not below
 // it. The last call of next() is that with the root. One call where `first` is the root, two where next() is constant.
-template <class Next> double rootOfFactor(double first, double least, Next&& next) {
+template <class Next> void rootOfFactor(double first, double least, Next&& next) {
     constexpr double roundOff = 1e-13; // of k
     constexpr int most = 100;
     double low = std::log(least), high = std::numeric_limits<double>::infinity();
@@ -26,7 +26,6 @@ template <class Next> double rootOfFactor(double first, double least, Next&& nex
         if (to == x) break;
         x = to;
     }
-    return std::exp(x);
 }
 
 } // namespace mpm

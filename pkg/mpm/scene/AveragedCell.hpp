@@ -19,9 +19,9 @@ template <int Dim> struct AveragedCell {
     double share = 1;              // of the volume of all bodies in it
     double uneven = 1;             // factor of its rate of volume change
     double weight = 0;             // m3, volume of the particles that its rate and stress are means over
-    double stress = 0;             // mean stress of the particles, kPa
-    double taken = 0;              // flux of holes beside it, m3/s
-    double shared = 0;   // m3, of the volume that it shares with a body of another group (SharedCells),
+    double stress = 0; // mean stress of the particles, kPa; in giveLinear() over their k (FollowingPressure)
+    double taken = 0;  // flux of holes beside it, m3/s
+    double shared = 0; // m3, of the volume that it shares with a body of another group (SharedCells),
     bool isOpen = false; // where a gap parts both
     Vec<Dim> centre;     // of the particles, when the stress became linear
 

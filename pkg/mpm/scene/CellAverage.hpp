@@ -102,8 +102,8 @@ template <int Dim> class CellAverage {
     bool isLocated(int particles) const { return where_.areLocated(particles); }
     void forget() { where_.forget(); }
 
-    // of[p] = f(p) for the particles in cell c; for a particle in several cells, after collect() of its chunk, the mean of
-    // what its points are given.
+    // of[p] = f(point, p) for the particles in cell c; for a particle in several cells, after collect() of its chunk, the
+    // mean of what its points are given.
     template <class F> void give(int c, double* of, F&& f) {
         double* to = given_.empty() ? of : given_.data();
         forPoints(c, [&](int point, int p) { to[point] = f(point, p); });
@@ -153,9 +153,9 @@ template <int Dim> class CellAverage {
         });
     }
 
-    // change[p]: what makes the mean stress of particle p, now stress[p], linear in the cells. Its slope is along each axis the mean of those to
-    // both neighbours, at most twice the smaller one (the monotonised central difference of van Leer 1977). Zero at an
-    // extremum and where a neighbour is empty.
+    // change[p]: what makes the mean stress of particle p, now stress[p], linear in the cells. Its slope is along each
+    // axis the mean of those to both neighbours, at most twice the smaller one (the monotonised central difference of
+    // van Leer 1977). Zero at an extremum and where a neighbour is empty.
     void giveLinear(ParallelRegion& region, const Grid<Dim>& grid, const double* stress, double* change) {
         forOwnCells(region, [&](int c, const Cell& cell) {
             double slopes[Dim];

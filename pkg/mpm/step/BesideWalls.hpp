@@ -14,7 +14,8 @@ template <int Dim> class BesideWalls {
     using NF = NodalField<Dim>;
 
   public:
-    // By how many times what moves nothing may be faster than what moves. Columns run out alike with 1 to 10.
+    // By how many times what moves nothing may be faster than what moves. With 1 and 10 columns run out up to 14 %
+    // otherwise, where they scatter by 4 % (decision 0033).
     static constexpr double mostUnseen = 3;
 
     // Once images of nodes move.

@@ -225,7 +225,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto* following = followingOf(*body.material);
         const auto takeMeans = [&](int begin, int end) {
             for (int p = begin; p < end; ++p) stress[p] = mean(p);
-            if (following) divide<N>(body, begin, end, *following, stress + begin);
+            if (following) takeFactorsOut<N>(body, begin, end, *following, stress + begin);
         };
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {
@@ -259,10 +259,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto* following = dynamic_cast<const FollowingPressure*>(&material);
         return following && following->followsPressure() ? following : nullptr;
     }
-    // A mean stress that is linear in a cell keeps its elastic volume where the moduli are constant: that over the factors.
+    // A mean stress that is linear in a cell keeps the cell's elastic volume where the moduli are constant. So what becomes
+    // linear is the mean stress over the factors on the moduli.
     template <int N, int Dim>
-    static void divide(Body<Dim>& body, int begin, int end, const FollowingPressure& following,
-                       double* mean) {
+    static void takeFactorsOut(Body<Dim>& body, int begin, int end, const FollowingPressure& following,
+                               double* mean) {
         double factor[chunkSize];
         std::vector<double*> state(body.particles.state.size());
         following.findFactors(body.template points<N>(begin, end, 0, state.data()), factor);

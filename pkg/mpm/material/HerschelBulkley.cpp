@@ -40,20 +40,22 @@ Adv. Appl. Mech. 9, 243-377 (rate of the stress beyond yield).)";
         require(!std::isnan(consistency_), className(), ": consistency is required; give it in kPa s^n");
     }
 
-    void setModuli(double lambda, double mu) { liquid_.set(lambda, mu); }
     std::array<double, 2> elastic() const { return liquid_.elastic(); }
     double most() const { return liquid_.tension; }
     double strengthAt(double) const { return yield_; }
-    template <int Dim> void flow(const MaterialPoints<Dim>& points) const {
-        const auto [bulk, mu] = elastic();
-        const double perRate = mu * points.dt;
+    template <int Dim, class Number>
+    void flow(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        const double dt = points.dt;
         if (n_ == 1) {
-            const double scale = consistency_ / (consistency_ + perRate), yield = yield_;
-            flowFrom(bulk, mu, most(), points,
-                     [=](double trial, double) { return yield + scale * (trial - yield); });
+            const double consistency = consistency_, yield = yield_;
+            flowFrom(moduli, most(), points, [=](double trial, double, double mu) {
+                const double scale = consistency / (consistency + mu * dt);
+                return yield + scale * (trial - yield);
+            });
         } else
-            flowFrom(bulk, mu, most(), points,
-                     [&](double trial, double) { return yield_ + overstress(trial - yield_, perRate); });
+            flowFrom(moduli, most(), points, [&](double trial, double, double mu) {
+                return yield_ + overstress(trial - yield_, mu * dt);
+            });
     }
 
   private:

@@ -109,25 +109,26 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
-    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         std::fill_n(state, ofStrength, 0.0);
         if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
     }
 
-    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
-        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
-        const std::vector<Surface> surfaces = surfacesOf(points);
+    template <int Dim, class Number>
+    void respond(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        trialStress(moduli.lambda, moduli.mu, points);
+        const std::vector<Surface> surfaces = surfacesOf(points, moduli);
         if (opens() && closing_.value_or(points.hasFbar)) {
             const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
-            closeUp(elasticity_.bulk(), most, points);
-            openUp(elasticity_.bulk(), most, points);
+            const auto bulk = [=](int i) { return moduli.at(i).bulk; };
+            closeUp(bulk, most, points);
+            openUp(bulk, most, points);
         }
         for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        const std::vector<Surface> surfaces = surfacesOf(points);
+        const std::vector<Surface> surfaces = surfacesOf(points, constants());
         for (int i = 0; i < points.count; ++i) {
             const auto [p, J2] = invariants(points, i);
             const double cohesion = 0.5 * surfaces[i].twiceCCosPhi;
@@ -146,20 +147,26 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
     double cutOff() const { return std::isnan(tensileStrength_) ? unbounded : tensileStrength_; }
 
-    template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
-        const auto surface = [&](double c, double phi, double psi) {
-            return Surface{elasticity_.lambda(),  elasticity_.mu(),
-                           std::sin(phi),         std::sin(psi),
-                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : unbounded};
+    template <int Dim, class Number>
+    std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        std::vector<Surface> all;
+        const auto add = [&](int count, double c, double phi, double psi) {
+            all.insert(all.end(), count,
+                       {0, 0, std::sin(phi), std::sin(psi), 2 * c * std::cos(phi),
+                        phi > 0 ? c / std::tan(phi) : unbounded});
         };
         if (strength_.isUniform())
-            return std::vector<Surface>(
-                points.count, surface(strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle));
-        StrengthRun run(points.count);
-        strength_.find(points.count, points.state + ofStrength, points.state[0], run);
-        std::vector<Surface> all;
-        for (int i = 0; i < points.count; ++i)
-            all.push_back(surface(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]));
+            add(points.count, strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle);
+        else {
+            StrengthRun run(points.count);
+            strength_.find(points.count, points.state + ofStrength, points.state[0], run);
+            for (int i = 0; i < points.count; ++i)
+                add(1, run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+        }
+        for (int i = 0; i < points.count; ++i) {
+            all[i].lambda = moduli.at(i).lambda;
+            all[i].mu = moduli.at(i).mu;
+        }
         return all;
     }
 

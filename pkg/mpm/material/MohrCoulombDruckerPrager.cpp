@@ -27,21 +27,8 @@ template <class Number> struct Cone {
 
 // What the loops need, from the parameters.
 struct Constants {
-    double lambda, mu, bulk;
     double dilatancyLimit; // of the plastic volumetric strain
     double tensionCutOff;
-    double shearCompliance; // plastic shear strain per unit loss of q, 1/(sqrt(3) mu)
-    double bulkCompliance;  // 1/K
-
-    Constants withModuli(double lambda_, double mu_) const {
-        Constants k = *this;
-        k.lambda = lambda_;
-        k.mu = mu_;
-        k.bulk = lambda_ + 2.0 / 3.0 * mu_;
-        k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu);
-        k.bulkCompliance = 1 / k.bulk;
-        return k;
-    }
 };
 
 template <class Number> struct Returned {
@@ -55,26 +42,31 @@ template <class Number> struct Returned {
 // Dilation may lower p by no more than `room`, K times what is left up to the limit. A return that would pass
 // it (volumetric f/slope > room) goes along the potential down to there and on at constant p, in one division.
 // Where it would end beyond the apex, so would the return without limit, and both go there.
-template <bool limited, class Number, class Its>
-MPM_INLINE Returned<Number> returnMap(const Constants& k, const Cone<Its>& cone, Number p, Number q,
-                                      Number qA, Number plasticVolumetric) {
-    const Number f = qA + (p * cone.sinPhi - cone.cCosPhi), volumetric = 3 * k.bulk * cone.beta * q;
-    const Number freely = k.mu * qA + volumetric * cone.sinPhi;
+template <bool limited, class Number, class Its, class Elastic>
+MPM_INLINE Returned<Number> returnMap(const Constants& k, const Moduli<Elastic>& C, const Cone<Its>& cone,
+                                      Number p, Number q, Number qA, Number plasticVolumetric) {
+    const Number f = qA + (p * cone.sinPhi - cone.cCosPhi), volumetric = 3 * C.bulk * cone.beta * q;
+    const Number freely = C.mu * qA + volumetric * cone.sinPhi;
     Number excess = f, slope = freely, room = 0;
     const auto ifPasses = [&](Number then, Number otherwise) MPM_INLINE_LAMBDA {
         return limited ? whereGreater(volumetric * f, room * freely, then, otherwise) : otherwise;
     };
     if constexpr (limited) {
         const Number left = k.dilatancyLimit - plasticVolumetric;
-        room = whereGreater(left, 0, k.bulk * left, 0);
+        room = whereGreater(left, 0, C.bulk * left, 0);
         excess = ifPasses(f - room * cone.sinPhi, f);
-        slope = ifPasses(k.mu * qA, freely);
+        slope = ifPasses(C.mu * qA, freely);
     }
     const Number ratio = excess / slope;
     const Number dlamOverQ = whereGreater(ratio, 0, ratio, 0);
-    const Number scale = 1 - k.mu * dlamOverQ, dilated = ifPasses(p - room, p - volumetric * dlamOverQ);
+    const Number scale = 1 - C.mu * dlamOverQ, dilated = ifPasses(p - room, p - volumetric * dlamOverQ);
     const Number pBack = whereGreater(0, scale, cone.apex, dilated);
     return {whereGreater(scale, 0, scale, 0), whereGreater(pBack, k.tensionCutOff, k.tensionCutOff, pBack)};
+}
+
+// Plastic shear strain per unit loss of q.
+template <class Number> MPM_INLINE Number shearCompliance(const Number& mu) {
+    return 1 / (std::sqrt(3.0) * mu);
 }
 
 // Where the cones of particles are taken from: `at` reads a plane.
@@ -90,9 +82,11 @@ struct ConeOfEach {
     }
 };
 
-template <bool limited, class Cones>
-void returnToYield(const Constants& constants, const Cones& cones, const MaterialPoints<2>& points) {
+template <bool limited, class Cones, class Number>
+void returnToYield(const Constants& constants, const Moduli<Number>& moduli, const Cones& cones,
+                   const MaterialPoints<2>& points) {
     const Constants k = constants;
+    const Moduli<Number> C = moduli;
     const Cones coneOf = cones;
     const double third = 1.0 / 3;
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
@@ -109,21 +103,24 @@ void returnToYield(const Constants& constants, const Cones& cones, const Materia
         const auto major = (1 + cone.sinPhi) / 2, minor = (1 - cone.sinPhi) / 2;
         const auto qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
 
-        const auto back = returnMap<limited>(k, cone, p, q, qA, at(plasticVolumetric));
+        const auto its = C.at(at);
+        const auto back = returnMap<limited>(k, its, cone, p, q, qA, at(plasticVolumetric));
         at.set(xx, back.p + back.scale * (a + half));
         at.set(yy, back.p + back.scale * (a - half));
         at.set(zz, back.p - back.scale * 2 * a);
         const auto scaled = back.scale * shear;
         at.set(xy, scaled);
         at.set(yx, scaled);
-        at.set(plasticShear, at(plasticShear) + (1 - back.scale) * q * k.shearCompliance);
-        at.set(plasticVolumetric, at(plasticVolumetric) + (p - back.p) * k.bulkCompliance);
+        at.set(plasticShear, at(plasticShear) + (1 - back.scale) * q * shearCompliance(its.mu));
+        at.set(plasticVolumetric, at(plasticVolumetric) + (p - back.p) * (1 / its.bulk));
     });
 }
 
-template <bool limited, class Cones>
-void returnToYield(const Constants& constants, const Cones& cones, const MaterialPoints<3>& points) {
+template <bool limited, class Cones, class Number>
+void returnToYield(const Constants& constants, const Moduli<Number>& moduli, const Cones& cones,
+                   const MaterialPoints<3>& points) {
     const Constants k = constants;
+    const Moduli<Number> C = moduli;
     const Cones coneOf = cones;
     const double third = 1.0 / 3;
     const auto stress = planes<9>(points.stress);
@@ -141,11 +138,12 @@ void returnToYield(const Constants& constants, const Cones& cones, const Materia
         Cone<double> cone{sinPhi, cCosPhi, apex, beta};
         if constexpr (!std::is_same_v<Cones, OneCone>)
             cone = coneOf([i](const double* plane) MPM_INLINE_LAMBDA { return plane[i]; });
+        const Moduli<double> its = C.at(i);
         const Returned<double> back =
-            returnMap<limited>(k, cone, p, q, lodeStrength(s, J2, q, cone.sinPhi), plasticVolumetric[i]);
+            returnMap<limited>(k, its, cone, p, q, lodeStrength(s, J2, q, cone.sinPhi), plasticVolumetric[i]);
         scatter(plusSpherical(back.scale * s, back.p), stress, i);
-        plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
-        plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
+        plasticShear[i] += (1 - back.scale) * q * shearCompliance(its.mu);
+        plasticVolumetric[i] += (p - back.p) * (1 / its.bulk);
     }
 }
 
@@ -222,17 +220,16 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     NeighbourMean neighbourMean() const override { return strength_.neighbourMean(0, ofStrength()); }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> moduli() const { return {elasticity_.lambda(), elasticity_.mu()}; }
-    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         std::fill_n(state, ofStrength(), 0.0);
         if (neighbourMean().length > 0) state[neighbourMean().mean] = 0;
     }
 
-    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
-        const Constants constants = constants_.withModuli(elasticity_.lambda(), elasticity_.mu());
-        trialStress(constants.lambda, constants.mu, points);
-        if (strength_.isUniform()) return finishStress(constants, OneCone{cone_}, points);
+    template <int Dim, class Number>
+    void respond(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        trialStress(moduli.lambda, moduli.mu, points);
+        if (strength_.isUniform()) return finishStress(moduli, OneCone{cone_}, points);
         StrengthRun run(points.count);
         strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
         std::vector<double> sinPhi(points.count), cCosPhi(sinPhi), apex(sinPhi), beta(sinPhi);
@@ -243,8 +240,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
             apex[i] = cone.apex;
             beta[i] = cone.beta;
         }
-        finishStress(constants, ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}},
-                     points);
+        finishStress(moduli, ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}}, points);
     }
 
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
@@ -266,19 +262,20 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     bool closes(bool hasFbar) const { return opens() && closing_.value_or(hasFbar); }
     int ofStrength() const { return closing_.value_or(true) ? 3 : 2; } // first state variable of the strength
 
-    template <class Cones, int Dim>
-    void finishStress(const Constants& constants, const Cones& cones,
+    template <class Cones, class Number, int Dim>
+    void finishStress(const Moduli<Number>& moduli, const Cones& cones,
                       const MaterialPoints<Dim>& points) const {
         if (closes(points.hasFbar)) {
-            const double cutOff = constants.tensionCutOff;
+            const double cutOff = constants_.tensionCutOff;
             const auto most = [cones, cutOff](int i) {
                 return std::min(cones([i](const double* plane) { return plane[i]; }).apex, cutOff);
             };
-            closeUp(constants.bulk, most, points);
-            openUp(constants.bulk, most, points);
+            const auto bulk = [moduli](int i) { return moduli.at(i).bulk; };
+            closeUp(bulk, most, points);
+            openUp(bulk, most, points);
         }
-        std::isinf(constants.dilatancyLimit) ? returnToYield<false>(constants, cones, points)
-                                             : returnToYield<true>(constants, cones, points);
+        std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, moduli, cones, points)
+                                              : returnToYield<true>(constants_, moduli, cones, points);
     }
 
     // Highest mean stress of all particles.
@@ -334,16 +331,13 @@ void MohrCoulombDruckerPrager::finish() {
     elasticity_.finish(who);
     strength_.finish(*this);
 
-    Constants k = Constants{}.withModuli(elasticity_.lambda(), elasticity_.mu());
-    k.dilatancyLimit = limitOfDilatancy();
-    k.tensionCutOff = orInfinity(tensionCutOff_);
+    constants_ = {limitOfDilatancy(), orInfinity(tensionCutOff_)};
     if (strength_.isUniform())
         cone_ = coneOf(strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle);
     require(std::isnan(tensionCutOff_) || !strength_.isUniform() || tensionCutOff_ <= cone_.apex, who,
             ": tensionCutOff = ", tensionCutOff_,
             " kPa lies beyond the apex of the cone, c cot(phi) = ", cone_.apex,
             " kPa; lower it or leave it out");
-    constants_ = k;
 }
 
 MPM_REGISTER(Material, MohrCoulombDruckerPrager);

@@ -49,18 +49,19 @@ Source: Jop, Forterre & Pouliquen 2006, Nature 441, 727-730; GDR MiDi 2004, Eur.
                 "; friction grows with the rate: give at least that");
     }
 
-    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     std::array<double, 2> elastic() const { return {elasticity_.bulk(), elasticity_.mu()}; }
     double most() const { return 0; }
     double strengthAt(double pressure) const { return static_ * std::max(pressure, 0.0); }
     // Of tau = tau_trial - B rate with B = G dt and the rate a = I_0/(d sqrt(rho_s/p)) at half way:
     //   B rate^2 + (B a + (mu_2 - mu_s) p - excess) rate - excess a = 0,  excess = tau_trial - mu_s p
-    template <int Dim> void flow(const MaterialPoints<Dim>& points) const {
-        const double still = static_, more = fast_ - static_, B = elasticity_.mu() * points.dt;
+    template <int Dim, class Number>
+    void flow(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        const double still = static_, more = fast_ - static_, dt = points.dt;
         const double grains = std::isnan(grainDensity_) ? density / 0.6 : grainDensity_;
         const double perSpeed = I0_ / size_, overDensity = 1 / grains;
-        flowFrom(elasticity_.bulk(), elasticity_.mu(), most(), points, [=](double trial, double p) {
-            const double excess = std::max(trial - still * p, 0.0), a = perSpeed * std::sqrt(p * overDensity);
+        flowFrom(moduli, most(), points, [=](double trial, double p, double mu) {
+            const double B = mu * dt, excess = std::max(trial - still * p, 0.0),
+                         a = perSpeed * std::sqrt(p * overDensity);
             const double half = 0.5 * (B * a + more * p - excess),
                          root = std::sqrt(half * half + B * excess * a);
             // B rate, by the form without cancellation

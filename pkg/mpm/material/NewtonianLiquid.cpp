@@ -32,14 +32,14 @@ Source: Maxwell 1867, Phil. Trans. R. Soc. 157, 49-88 (spring and dashpot in ser
     }
     void finish() override { liquid_.check(className(), density); }
 
-    void setModuli(double lambda, double mu) { liquid_.set(lambda, mu); }
     std::array<double, 2> elastic() const { return liquid_.elastic(); }
     double most() const { return liquid_.tension; }
     double strengthAt(double) const { return 0; }
-    template <int Dim> void flow(const MaterialPoints<Dim>& points) const {
-        const auto [bulk, mu] = elastic();
-        const double scale = viscosity_ / (viscosity_ + mu * points.dt);
-        flowFrom(bulk, mu, most(), points, [scale](double trial, double) { return scale * trial; });
+    template <int Dim, class Number>
+    void flow(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        const double viscosity = viscosity_, dt = points.dt;
+        flowFrom(moduli, most(), points,
+                 [=](double trial, double, double mu) { return viscosity / (viscosity + mu * dt) * trial; });
     }
 
   private:

@@ -100,20 +100,37 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     bool yields() const override { return true; }
     // Of varying strength without a particle: no stiffness.
     std::array<double, 2> moduli() const { return moduliAt(std::isnan(strength_) ? 0 : strength_); }
-    void setModuli(double lambda, double mu) { elasticity_.lame = {lambda, mu}; }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
         state[0] = 0;
         if (neighbourMean().length > 0) state[2] = 0;
     }
 
-    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
+    template <int Dim, class Number>
+    void respond(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        if (!isRigid()) return respondWith(points, moduli);
         std::vector<double> lambda(points.count), mu(points.count);
         findStiffness(points, lambda.data(), mu.data());
-        if (isRigid())
-            trialStress(lambda.data(), mu.data(), points);
-        else
-            trialStress(elasticity_.lambda(), elasticity_.mu(), points);
+        respondWith(points, Moduli<const double*>{lambda.data(), mu.data(), nullptr});
+    }
+    template <int Dim>
+    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        if (!isRigid()) return StiffeningOf::findStiffness(points, lambda, mu);
+        for (int i = 0; i < points.count; ++i) {
+            const auto its = moduliAt(points.state[1][i]);
+            lambda[i] = its[0];
+            mu[i] = its[1];
+        }
+    }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) strength[i] = strengthOf(points, i, 0);
+    }
+
+  private:
+    bool isRigid() const { return !std::isnan(rigidity_); }
+    template <int Dim, class Number>
+    void respondWith(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        trialStress(moduli.lambda, moduli.mu, points);
         for (int i = 0; i < points.count; ++i) {
             PrincipalStress<Dim> principal(points, i);
             double* s = principal.value;
@@ -131,24 +148,9 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
             s[1] = p - 2 * middle;
             s[2] = p + middle - su;
             principal.write();
-            points.state[0][i] += excess / (2 * mu[i]);
+            points.state[0][i] += excess / (2 * modulus(OneNumber{i}, moduli.mu));
         }
     }
-    template <int Dim>
-    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
-        if (!isRigid()) return StiffeningOf::findStiffness(points, lambda, mu);
-        for (int i = 0; i < points.count; ++i) {
-            const auto its = moduliAt(points.state[1][i]);
-            lambda[i] = its[0];
-            mu[i] = its[1];
-        }
-    }
-    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i) strength[i] = strengthOf(points, i, 0);
-    }
-
-  private:
-    bool isRigid() const { return !std::isnan(rigidity_); }
     void finishElasticity(const std::string& who) {
         if (!isRigid()) return elasticity_.finish(who);
         require(!pressure_.isGiven(), who, ": rigidity = ", rigidity_,

@@ -28,10 +28,6 @@ class Liquid {
         requireDensity(who, density);
         require(!std::isnan(bulk), who, ": bulk is required; give the bulk modulus in kPa");
     }
-    void set(double lambda, double mu) {
-        bulk = lambda + 2.0 / 3 * mu;
-        shear = mu;
-    }
     std::array<double, 2> elastic() const { return {bulk, std::isnan(shear) ? bulk / 10 : shear}; }
 };
 

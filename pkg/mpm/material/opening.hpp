@@ -13,14 +13,15 @@ inline StateVariable openingVariable() {
 }
 
 // Trial stress in, stress out. The mean stress of soil that is open is that at which it opened, until what the
-// trial stress closes, (mostTension - p)/K, has used the opening up.
-template <class Most, int Dim> void closeUp(double bulk, Most most, const MaterialPoints<Dim>& points) {
-    const double compliance = 1 / bulk;
+// trial stress closes, (mostTension - p)/K, has used the opening up. bulkOf, most: of particle i.
+template <class Bulk, class Most, int Dim>
+void closeUp(Bulk bulkOf, Most most, const MaterialPoints<Dim>& points) {
     double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
     double *plasticVolumetric = points.state[1], *opening = points.state[2];
     const int count = points.count;
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
+        const double bulk = bulkOf(i), compliance = 1 / bulk;
         const double below = (most(i) - (xx[i] + yy[i] + zz[i]) / 3) * compliance;
         const double closed = std::min(std::max(below, 0.0), opening[i]), p = bulk * closed;
         xx[i] += p;
@@ -32,14 +33,14 @@ template <class Most, int Dim> void closeUp(double bulk, Most most, const Materi
 }
 
 // After closeUp(): what takes the mean stress of a trial beyond the apex or the tension cut-off opens the soil.
-template <class Most, int Dim> void openUp(double bulk, Most most, const MaterialPoints<Dim>& points) {
-    const double compliance = 1 / bulk;
+template <class Bulk, class Most, int Dim>
+void openUp(Bulk bulkOf, Most most, const MaterialPoints<Dim>& points) {
     const double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
     double* opening = points.state[2];
     const int count = points.count;
 #pragma omp simd
     for (int i = 0; i < count; ++i)
-        opening[i] += std::max((xx[i] + yy[i] + zz[i]) / 3 - most(i), 0.0) * compliance;
+        opening[i] += std::max((xx[i] + yy[i] + zz[i]) / 3 - most(i), 0.0) * (1 / bulkOf(i));
 }
 
 } // namespace mpm

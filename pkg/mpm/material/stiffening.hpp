@@ -8,19 +8,24 @@
 // finds: yield, flow and opening are those of the law at the end of the step.
 #pragma once
 
+#include "mpm/material/AskedAgain.hpp"
 #include "mpm/material/FollowingPressure.hpp"
-#include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/Moduli.hpp"
+#include "mpm/material/RootOfFactor.hpp"
 #include "mpm/material/pressureDependence.hpp"
-#include "mpm/material/rootOfFactor.hpp"
+
+#include <numeric>
 
 namespace mpm {
 
 // A law has
 //     std::array<double, 2> moduli() const                                 {lambda, mu}
+// in place of lame(), lists pressure_.parameters(), and has in place of stress() either, with the trial stress of
+// hypoelastic.hpp from rates, stress and state alone,
+//     template <int Dim, class Number> void respond(const MaterialPoints<Dim>&, const Moduli<Number>&) const
+// or hasPotential = true and
 //     void setModuli(double lambda, double mu)
-//     template <int Dim> void respond(const MaterialPoints<Dim>&) const    the stress, with these moduli
-// in place of lame() and stress(), lists pressure_.parameters(), and has either the trial stress of hypoelastic.hpp, or
-// hasPotential = true and
+//     template <int Dim> void respond(const MaterialPoints<Dim>&) const    the stress, with moduli()
 //     template <int Dim> void linearEnergy(const MaterialPoints<Dim>&, double*) const    by the current volume
 // and divides an initial stress by secantAt(stress), for the strain by linearModuli().
 template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public FollowingPressure {
@@ -46,11 +51,10 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public
         return pressure_.isGiven() ? boundAt(energyForm(), 0, 0) : self().moduli();
     }
     template <int N> void stress(const MaterialPoints<N>& points) const {
-        if (!pressure_.isGiven()) return self().template respond<N>(points);
         if constexpr (Derived::hasPotential)
-            scaleStress(points);
+            pressure_.isGiven() ? scaleStress(points) : self().template respond<N>(points);
         else
-            eachWithItsModuli(points);
+            pressure_.isGiven() ? findRoots(points) : self().respond(points, self().constants());
     }
     template <int N> void findStiffness(const MaterialPoints<N>& points, double* lambda, double* mu) const {
         const std::array<double, 2> constants = self().moduli();
@@ -81,6 +85,10 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public
   protected:
     PressureDependence pressure_;
 
+    Moduli<double> constants() const {
+        const auto [lambda, mu] = self().moduli();
+        return {lambda, mu, lambda + 2.0 / 3.0 * mu};
+    }
     // Of the energy W.
     std::array<double, 2> linearModuli() const {
         if (!pressure_.isGiven()) return self().moduli();
@@ -173,37 +181,50 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public
         return all;
     }
 
-    template <int N> void eachWithItsModuli(const MaterialPoints<N>& points) const {
-        const int count = points.count;
-        const std::array<double, 2> C = linearModuli();
+    // The law answers all particles at once with the factors of their trial stress, then those again whose factors these
+    // are not. A step that is elastic takes one answer.
+    template <int N> void findRoots(const MaterialPoints<N>& points) const {
+        const size_t count = points.count;
         const PressureEnergy form = energyForm();
         const auto sizeOf = [&](const MaterialPoints<N>& of, int i) {
             const auto [mean, J2] = invariants(of, i);
             return form.size(mean, J2);
         };
         std::vector<Symmetric> start(count);
-        std::vector<double> factor(count);
-        for (int i = 0; i < count; ++i) {
+        for (size_t i = 0; i < count; ++i) {
             start[i] = (1 / form.secantAt(sizeOf(points, i))) * stressOf(points, i);
             setStress(points, i, start[i]);
         }
-        trialStress(C[0], C[1], points);
-        for (int i = 0; i < count; ++i) factor[i] = form.secant(sizeOf(points, i));
+        const double mu = form.shear, lambda = form.bulk - 2.0 / 3 * mu;
+        trialStress(lambda, mu, points);
+        std::vector<RootOfFactor> roots;
+        roots.reserve(count);
+        for (size_t i = 0; i < count; ++i)
+            roots.emplace_back(form.secant(sizeOf(points, i)), form.tangent(0));
 
-        Derived its = linearLaw();
-        const size_t states = self().stateVariables().size();
-        std::vector<double*> planes(states);
-        std::vector<double> before(states);
-        for (int i = 0; i < count; ++i) {
-            const auto one = points.part(i, i + 1, planes);
-            for (size_t s = 0; s < states; ++s) before[s] = *planes[s];
-            rootOfFactor(factor[i], form.tangent(0), [&](double k) {
-                for (size_t s = 0; s < states; ++s) *planes[s] = before[s];
-                setStress(one, 0, k * start[i]);
-                its.setModuli(k * C[0], k * C[1]);
-                its.template respond<N>(one);
-                return form.secant(sizeOf(one, 0) / k);
-            });
+        std::vector<int> left(count);
+        std::iota(left.begin(), left.end(), 0);
+        std::vector<double> lambdas(count), mus(count), bulks(count);
+        AskedAgain<N> again(points, self().stateVariables().size());
+        for (bool isFirst = true; !left.empty(); isFirst = false) {
+            const MaterialPoints<N>& its = isFirst ? points : again.pick(left);
+            for (int j = 0; j < its.count; ++j) {
+                const double k = roots[left[j]].factor();
+                setStress(its, j, k * start[left[j]]);
+                lambdas[j] = k * lambda;
+                mus[j] = k * mu;
+                bulks[j] = k * form.bulk;
+            }
+            self().respond(its, Moduli<const double*>{lambdas.data(), mus.data(), bulks.data()});
+            size_t kept = 0;
+            for (int j = 0; j < its.count; ++j) {
+                const int i = left[j];
+                if (!roots[i].endsWith(form.secant(sizeOf(its, j) / roots[i].factor())))
+                    left[kept++] = i;
+                else if (!isFirst)
+                    again.giveBack(j, i);
+            }
+            left.resize(kept);
         }
     }
 

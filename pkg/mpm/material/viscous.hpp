@@ -12,20 +12,22 @@
 
 namespace mpm {
 
-// Trial stress in, stress out. resistance(trial shear stress, pressure): shear stress sqrt(J2) that is left, kPa.
-template <class Resistance, int Dim>
-void flowFrom(double bulk, double mu, double most, const MaterialPoints<Dim>& points, Resistance resistance) {
+// Trial stress in, stress out. resistance(trial shear stress, pressure, shear modulus): shear stress sqrt(J2) that is
+// left, kPa.
+template <class Number, class Resistance, int Dim>
+void flowFrom(Moduli<Number> moduli, double most, const MaterialPoints<Dim>& points, Resistance resistance) {
     const auto stress = planes<9>(points.stress);
     double *shear = points.state[0], *volumetric = points.state[1];
-    const double perShear = 1 / (std::sqrt(3.0) * mu), compliance = 1 / bulk;
     const int count = points.count;
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
+        const double mu = modulus(OneNumber{i}, moduli.mu), bulk = modulus(OneNumber{i}, moduli.bulk);
+        const double perShear = 1 / (std::sqrt(3.0) * mu), compliance = 1 / bulk;
         Symmetric s{stress[0][i], stress[4][i], stress[8][i], stress[1][i], 0, 0};
         if constexpr (Dim == 3) s.xz = stress[2][i], s.yz = stress[5][i];
         const double mean = (s.xx + s.yy + s.zz) / 3, after = std::min(mean, most);
         s = plusSpherical(s, -mean);
-        const double trial = std::sqrt(halfSquare(s)), left = std::min(resistance(trial, -after), trial);
+        const double trial = std::sqrt(halfSquare(s)), left = std::min(resistance(trial, -after, mu), trial);
         const double scale = trial > 0 ? left / trial : 1;
         s = plusSpherical(scale * s, after);
         stress[0][i] = s.xx;
@@ -42,7 +44,7 @@ void flowFrom(double bulk, double mu, double most, const MaterialPoints<Dim>& po
 }
 
 // What the flowing laws have in common. Derived has elastic() = {bulk, mu}, most(), the highest mean stress,
-// flow(points): from the trial stress to the stress, and strengthAt(pressure) of matter at rest.
+// flow(points, moduli): from the trial stress to the stress, and strengthAt(pressure) of matter at rest.
 template <class Derived> class ViscousOf : public StiffeningOf<Derived> {
   public:
     std::vector<StateVariable> stateVariables() const override {
@@ -55,14 +57,17 @@ template <class Derived> class ViscousOf : public StiffeningOf<Derived> {
     std::array<double, 2> moduli() const { return {bulk() - 2 * mu() / 3, mu()}; }
     void stateFromStress(const double*, double* state) const override { std::fill_n(state, 3, 0.0); }
 
-    template <int Dim> void respond(const MaterialPoints<Dim>& points) const {
-        trialStress(bulk() - 2 * mu() / 3, mu(), points);
+    Moduli<double> constants() const { return {bulk() - 2 * mu() / 3, mu(), bulk()}; }
+    template <int Dim, class Number>
+    void respond(const MaterialPoints<Dim>& points, const Moduli<Number>& moduli) const {
+        trialStress(moduli.lambda, moduli.mu, points);
         if (volumeRecord().opening >= 0 && points.hasFbar) {
             const auto most = [limit = self().most()](int) { return limit; };
-            closeUp(bulk(), most, points);
-            openUp(bulk(), most, points);
+            const auto bulk = [moduli](int i) { return moduli.at(i).bulk; };
+            closeUp(bulk, most, points);
+            openUp(bulk, most, points);
         }
-        self().flow(points);
+        self().flow(points, moduli);
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         for (int i = 0; i < points.count; ++i) {

@@ -177,13 +177,28 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         const double trial[] = {s[0], s[1], s[2]};
         if (surface.yield(s[0], s[2]) <= 0 && s[0] <= cutOff()) return mirror(points, i);
         if (surface.yield(s[0], s[2]) > 0) surface.returnTo(s);
+        const double before[] = {s[0], s[1], s[2]};
         for (int k = 0; k < 3; ++k) s[k] = std::min(s[k], cutOff());
+        if (surface.lambda < 0 && s[0] < before[0]) flowOfRankine(surface, before, s);
         principal.write();
         double lost[3], mean = 0, square = 0;
         for (int k = 0; k < 3; ++k) mean += (lost[k] = trial[k] - s[k]) / 3;
         for (int k = 0; k < 3; ++k) square += (lost[k] - mean) * (lost[k] - mean);
         points.state[0][i] += std::sqrt(2.0 / 3 * square) / (2 * surface.mu);
         points.state[1][i] += mean / (surface.lambda + 2.0 / 3.0 * surface.mu);
+    }
+
+    // The cut alone strains the other axes, too, by minus Poisson's ratio. Where that is negative, as with
+    // pressureExponent, that is against pressure and would make energy: there the strain is along what is cut alone.
+    void flowOfRankine(const Surface& surface, const double before[3], double s[3]) const {
+        for (int cut = 1; cut <= 3; ++cut) {
+            double excess = 0;
+            for (int k = 0; k < cut; ++k) excess += before[k] - cutOff();
+            const double volume = excess / (2 * surface.mu + cut * surface.lambda); // plastic strain
+            for (int k = 0; k < 3; ++k)
+                s[k] = k < cut ? cutOff() : before[k] - surface.lambda * volume;
+            if (cut == 3 || s[cut] <= cutOff()) return;
+        }
     }
 
     Elasticity elasticity_;

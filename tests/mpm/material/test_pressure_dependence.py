@@ -25,7 +25,6 @@ SAND = dict(STRONG, cohesion=1.0, frictionAngle=0.55, dilatancyAngle=0.1)
 BULK, SHEAR = 3e4 / (3 * 0.5), 1.2e4
 CLAY = dict(density=2.0, young=3e4, poisson=0.25)
 MUD = dict(density=2.0, bulk=BULK, shearModulus=SHEAR)
-SOFT = dict(cohesion=1.0, frictionAngle=0.25, dilatancyAngle=0.1)
 GRAINS = dict(staticFriction=0.5, fastFriction=0.6, grainSize=0.01)
 
 
@@ -205,56 +204,6 @@ def testShearIsOfThePressureAndStrengthIsNot(law):
     assert stiff.q[1] / soft.q[1] == pytest.approx(4, rel=0.05)
     constant = mpm.elementTest.triaxial(kind(**SAND), 400, 0.06, steps=300)
     assert stiff.q[-1] == pytest.approx(constant.q[-1], rel=1e-6)
-
-
-YIELDING = {
-    "MohrCoulomb": lambda **C: mpm.MohrCoulomb(**SOFT, density=2.0, **C),
-    "MohrCoulombDruckerPrager": lambda **C: mpm.MohrCoulombDruckerPrager(**SOFT, density=2.0, **C),
-    "Tresca": lambda **C: mpm.Tresca(undrainedStrength=12.0, density=2.0, **C),
-    "MuI": lambda **C: mpm.MuI(**GRAINS | {"staticFriction": 0.25}, density=2.0, **C),
-    "HerschelBulkley": lambda lame, **C: mpm.HerschelBulkley(
-        bulk=lame[0] + 2 / 3 * lame[1],
-        shearModulus=lame[1],
-        yieldStress=12.0,
-        consistency=1.0,
-        density=2.0,
-        **C,
-    ),
-}
-
-
-@pytest.mark.parametrize("law", YIELDING)
-@pytest.mark.parametrize("m", [0.5, 0.7, 1.0])
-def testAStepIsThatOfConstantModuliWithTheFactorOfItsEnd(law, m):
-    """Particles that yield beside others that do not, each against a point."""
-    made = YIELDING[law](lame=(BULK - 2 / 3 * SHEAR, SHEAR), pressureExponent=m)
-    scene = mpm.Scene((0, 0), (8, 8), cell=1.0, threads=1)
-    body = scene.add("soil", mpm.box((1, 1), (7, 7)), made, mpm.UGIMP(perCell=2), fbar=False)
-    rng = np.random.default_rng(3)
-    half = rng.normal(size=(body.count, 3, 3)) * 1.5
-    half[:, 2, :2] = half[:, :2, 2] = 0
-    before = half + half.transpose(0, 2, 1) - 40 * np.eye(3)
-    body.stress = before
-    body.velocity[...] = rng.normal(size=body.velocity.shape) * 3
-    scene.dt = 1e-3
-    scene.run(steps=1, progress=False)
-    assert 0.1 < np.mean(body.plasticShearStrain > 0) < 0.9
-    ofStart = 0.0
-    for i in range(0, body.count, 3):
-        L = np.zeros((3, 3))
-        L[:2, :2] = body.velocityGradient[i]
-        first, last = (strainUnderPressure(s[i], BULK, SHEAR, m)[1:] for s in (before, body.stress))
-        for k in (last[0], first[0]):
-            lame = (k * (BULK - 2 / 3 * last[1] * SHEAR), k * last[1] * SHEAR)
-            point = mpm.MaterialPoint(YIELDING[law](lame=lame), k / first[0] * before[i])
-            error = np.abs(point.gradient(L, scene.dt) - body.stress[i]).max() / np.abs(body.stress[i]).max()
-            if k == last[0]:
-                assert error < 1e-11
-                sheared = point.state["plasticShearStrain"]
-                assert sheared == pytest.approx(body.plasticShearStrain[i], rel=1e-9, abs=1e-15)
-            else:
-                ofStart = max(ofStart, error)
-    assert ofStart > 1e-5
 
 
 def pressed(law, pressure, type_=None, **more):

@@ -640,7 +640,7 @@ class PoreWater(_PoreWater):
         sealed: bool = False,
         bulkModulus: float = 2200000.0,
         density: float = 1.0,
-        tolerance: float = 0.1,
+        tolerance: float = 0.01,
         label: str = '',
         dead: bool = False,
     ) -> None: ...

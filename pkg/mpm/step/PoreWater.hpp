@@ -16,7 +16,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
   public:
     std::vector<double> table, levels, rise, heads, drained, inflows, wells, drains, debt, changes;
     double permeability = 1e-7, porosity = 0.4; // of what is added with it
-    double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0, inflow = 0;
+    double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.01, outflow = 0, inflow = 0;
     int iterations = 0;
     bool sealed = false, kozenyCarman = false;
     bool waits = false;             // its tables, while the scene settles,

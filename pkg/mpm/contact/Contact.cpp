@@ -110,8 +110,6 @@ std::vector<Parameter> Contact::attributes() {
          "How edges of one group last moved against another one: direction (three numbers) and speed, m/s, for each "
          "group of\neach pair. At rest their normals stay so.",
          &edgeMotions.numbers},
-        {"lastImpulses", "", "Impulses of the last step at the sites beside implicit bodies, a row each.",
-         recordsOf(lastImpulses.rows)},
         {"pressing", "",
          "Sites that pressed on each other in the last step, for USF: pair of groups, body of a mesh (-1: a node), "
          "vertex or\nnode, face of a vertex at an edge, and 1 where they stuck.",
@@ -256,8 +254,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     state.own.assign(search.nodes.size(), {});
     state.starts.clear();
     const bool mayBeThree = search.pairs.size() > 1; // groups on a node
-    const LastImpulses last = std::move(lastImpulses);
-    lastImpulses = {};
     for (ContactPair<Dim>& pair : search.pairs) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
@@ -282,7 +278,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         PressedSites::forget(search, pair);
         FrictionLaw law = lawOf(pair.group[0], pair.group[1]);
         law.mayBeThree = mayBeThree;
-        if (separation) state.impulses.startFrom(last, search, pair);
         unsettled +=
             !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
         rounds += state.impulses.rounds();
@@ -290,7 +285,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         bool isReduced;
         gridLoss += state.impulses.limitEnergy(search, pair, isReduced);
         reduced += isReduced;
-        state.impulses.keep(lastImpulses, search, pair);
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             exchange(scene, gravity, search.nodes[i], nodes[i]);
@@ -304,7 +298,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             if (pair.hasEdges[side])
                 edgeMotions.add<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
                                      scene.dt, scene.grid.smallestCell().minCoeff());
-    lastImpulses.sort();
     if (scene.scheme->stressFirst) pressed.note(search);
     touch(scene, search);
     addToFacets(scene, state);

@@ -33,7 +33,6 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     std::vector<double> impulses;      // time integrals of the forces since the start
     std::vector<double> facetImpulses; // see FacetImpulses
     EdgeMotions edgeMotions;
-    LastImpulses lastImpulses;
     PressedSites pressed; // for USF
 
     // Of the last step.

@@ -8,7 +8,6 @@
 #include "mpm/contact/ContactSearch.hpp"
 #include "mpm/contact/FrictionLaw.hpp"
 #include "mpm/contact/ImplicitSides.hpp"
-#include "mpm/contact/LastImpulses.hpp"
 
 #include <algorithm>
 
@@ -69,20 +68,6 @@ template <int Dim> class ContactImpulses {
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
 
-    // Beside implicit bodies the sites begin with what they took in the last step.
-    void startFrom(const LastImpulses& last, ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
-        if (implicit.isEmpty()) return;
-        forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
-            site.J.all = last.template at<Dim>(SiteImpulse::of(site, search.nodes[at.at[0]].field));
-            if (!site.J.all.isZero(0)) give(at, site.J);
-        });
-    }
-    void keep(LastImpulses& last, ContactSearch<Dim>& search, const ContactPair<Dim>& pair) const {
-        if (implicit.isEmpty()) return;
-        forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
-            last.template add<Dim>(SiteImpulse::of(site, search.nodes[at.at[0]].field), site.J.all);
-        });
-    }
     int rounds() const { return rounds_; } // of the last solution
     // What a round of it may change, by the energy of the motion, kJ.
     double negligible() const { return negligible_; }

@@ -73,7 +73,6 @@ STATES = {
         "gaps",
         "frictionWork",
         "edgeMotions",
-        "lastImpulses",
         "pressing",
         "impulses",
         "facetImpulses",

@@ -265,17 +265,6 @@ def test_a_symmetric_wall_at_rest_has_no_moment(cell):
     assert abs(wall.displacement[:, 0]).max() < 5e-5
 
 
-def test_a_wall_at_rest_takes_few_rounds():
-    """They start from the impulses of the last step: from nothing 22."""
-    scene, _ = atRest(0.5)
-    contact, rounds = next(e for e in scene.engines if isinstance(e, mpm.Contact)), []
-    for _ in range(60):
-        scene.step()
-        rounds.append(contact._core.rounds)
-    assert rounds[0] > 18 and 0 < np.mean(rounds[20:]) < 12
-    restarted(scene, 20)
-
-
 def test_rounds_that_do_not_settle_are_told():
     scene, _, wall = pushed(thickness=0.75)
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))

@@ -7,7 +7,7 @@ import pytest
 import yade_mpm as mpm
 
 FOUND = {
-    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "lastImpulses", "pressing", "impulses"),
+    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "pressing", "impulses"),
     "RigidContact": ("frictionWork", "shapes", "states", "history", "sizes", "impulses"),
     "Recorder": ("run", "state"),
     "History": ("run", "state"),

@@ -8,13 +8,13 @@ from math import pi
 import yade_mpm as mpm
 from yade_mpm import Parameter, app, box, plot
 
-TOP, LENGTH, ABOVE, LEFT, RIGHT = 8.0, 6.5, 0.5, 8.0, 9.0  # m: ground, wall below and above it, its faces
-EI, EA, WEIGHT = 71820.0, 3.2e6, 0.118  # kN m2/m, kN/m, Mg/m2: AZ 18
-GAMMA, PROP = 18.0, 2e4  # kN/m3, kN/m per metre
+TOP, LENGTH, LEFT, RIGHT = 8.0, 6.5, 8.0, 9.0  # m: ground, the wall below it, its faces
+EI, EA, WEIGHT, GAMMA, PROP = 71820.0, 3.2e6, 0.118, 18.0, 2e4  # AZ 18: kN m, kN/m, Mg/m2; kN/m3, kN/m2
 STAGES = (("gravity", 0, 0.5), ("dig to -2 m", 2, 1.0), ("dig to -4 m", 4, 2.0))  # name, depth (m), time (s)
 CELL = Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=0.5)
 REST = Parameter("rest", 1.0, "factor on the time of each stage", above=0)
-PARAMETERS = mpm.Parameters("propped_wall", __doc__, CELL, REST, smoke={"rest": 0.02})
+DAMPING = Parameter("damping", 0.5, "local damping", least=0)
+PARAMETERS = mpm.Parameters("propped_wall", __doc__, CELL, REST, DAMPING, smoke={"rest": 0.02})
 
 
 def byHand(dig=4.0, Ka=1 / 3, propAt=1.0):  # prop force, kN/m, and largest moment, kN m/m
@@ -27,23 +27,23 @@ def byHand(dig=4.0, Ka=1 / 3, propAt=1.0):  # prop force, kN/m, and largest mome
 def main():
     a = PARAMETERS.parse()
     sand = mpm.MohrCoulomb(density=GAMMA / 9.81, young=3e4, poisson=0.3, cohesion=0.5, frictionAngle=pi / 6)
-    line = [((LEFT + RIGHT) / 2, y) for y in (TOP - LENGTH, TOP + ABOVE)]
-    sheet = mpm.Beam(line, EI=EI, EA=EA, weight=WEIGHT, thickness=RIGHT - LEFT)
-    scene = mpm.Scene((0, 0), (17, 9), a.cell, gravity=9.81, damping=0.5, threads=a.threads)
+    sheet = mpm.Beam([(8.5, TOP - LENGTH), (8.5, 8.5)], EI=EI, EA=EA, weight=WEIGHT, thickness=RIGHT - LEFT)
+    low, high = -a.cell / 2, 17 + a.cell / 2  # faces of the wall in the middle of cells
+    scene = mpm.Scene((low, 0), (high, 9), a.cell, gravity=9.81, damping=a.damping, threads=a.threads)
     scene.fix("bottom")
     scene.roller("left", "right")
-    soil = scene.add("soil", box((0, 0), (17, TOP)) - sheet.region, sand, mpm.UGIMP())
+    soil = scene.add("soil", box((low, 0), (high, TOP)) - sheet.region, sand, mpm.UGIMP())
     wall = scene.add("wall", sheet)
     scene.contact(wall, soil)
     scene.initialStress(surface=TOP, K0=0.5, bodies=[soil])
     scene.history(every=0.02 * a.rest)
     scene.dt, found = 2e-3 * a.cell, {}
-    prop = scene.attach(mpm.Spring(wall, (RIGHT, 7), (17, 7), stiffness=PROP, label="prop", dead=True))
+    prop = scene.attach(mpm.Spring(wall, (RIGHT, 7), (high, 7), stiffness=PROP, label="prop", dead=True))
     for name, depth, time in STAGES:
         prop.dead = depth < 4
         with scene.stage(name) as stage:
             if depth:
-                scene.remove(region=box((RIGHT, TOP - depth), (17, 9)))
+                scene.remove(region=box((RIGHT, TOP - depth), (high, 9)), over=0.5 * a.rest * time)
             scene.run(until=scene.time + 0.75 * a.rest * time)
             before = mpm.facePressure(wall)
             scene.run(until=scene.time + 0.25 * a.rest * time)

@@ -29,6 +29,7 @@ BoundaryLoad, Contact, RigidContact, UniformAlong, ViscousBoundary   engines tha
 Spring, Strut, Anchor, Force, SurfaceLoad                        for scene.attach
 PoreWater                      for scene.add(..., water=...)
 PointForce                     what Force returns
+ReleasedForces                 what scene.remove(..., over=seconds) puts among the engines
 Drive, Hold                    prescribed motions, given to the GridSolver
 inYade                         puts a scene into YADE, on one clock
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks

@@ -677,6 +677,21 @@ class PythonLaw(Material):
     ) -> None: ...
 
 
+class ReleasedForces(Engine):
+    """Forces of removed soil on the nodes, which fade linearly."""
+
+    over: float
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        over: float = 0.0,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
 class RigidContact(_RigidContact):
     """Frictional contact of rigid bodies with all bodies of the scene: penalty or impulses, Coulomb friction with history."""
 

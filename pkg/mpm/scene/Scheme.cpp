@@ -11,7 +11,8 @@ std::vector<Scheme::Place> Scheme::order(bool hasImplicit) const {
         add({{"DomainUpdater"}, true, false, false, stressFirst});
     };
     if (stressFirst) addStress();
-    add({{"BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "ViscousBoundary", "RigidContact"},
+    add({{"BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "ReleasedForces", "ViscousBoundary",
+          "RigidContact"},
          false,
          true});
     add({{"GridSolver"}});

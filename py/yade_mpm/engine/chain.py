@@ -14,6 +14,11 @@ def defaultChain():
     return [classes[n]() for n in ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")]
 
 
+def dropFaded(engines):
+    """Takes ReleasedForces that have faded out of the list."""
+    engines[:] = [e for e in engines if type(e).__name__ != "ReleasedForces" or e.held or e.measured < 2]
+
+
 def complete(engines, order, added):
     """Adds and moves, in the list itself, what the scheme puts straight behind the place before it.
 

@@ -66,6 +66,7 @@ STATES = {
     "Spring": ("ids", "parts", "toIds", "toParts", "starts", "length", "slip", *FOUND_OF_A_FORCE),
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
+    "ReleasedForces": ("begins", "measured", "held", "force", "work"),
     "ViscousBoundary": ("held", "work", "column", "dashpots"),
     "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes", "waits", "waitsAt", "waited"),
     "Contact": (

@@ -4,8 +4,10 @@
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.kinds import NOT_NEGATIVE, takes
 from ..base.warn import warnUser
 from ..base.wording import shown
+from ..engine.engines import classes
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
@@ -14,23 +16,26 @@ from ..geometry.numbers import placeText
 from ..geometry.region import Region
 from ..material.materials import isBeam
 from ..particle.body import Body
-from ..particle.types import Boxes, MeshedType, classes
+from ..particle.types import Boxes, MeshedType
+from ..particle.types import classes as particleTypes
 from .adding import build, drop, newBody
 from .convertingToMesh import dropBoxes
 from .filling import LEAST_SHARE
 from .running import refuseDuringStep, refuseMidStep
+from .wetting import waterOf
 
 INSET = 1e-6  # of a domain: round-off of its corners
 SAMPLES = 8  # along each edge of a box, to find what of it a region holds
 
 
-def remove(scene, body: Body | None = None, region: Region | None = None) -> float:
+@takes(over=NOT_NEGATIVE)
+def remove(scene, body: Body | None = None, region: Region | None = None, over: float = 0.0) -> float:
     """Takes a body, or what is in a region, out of the scene between two runs: an excavation.
 
-        scene.remove(region=mpm.box((8, 6), (16, 8)))  # the ground there, of whatever layer
-        scene.remove(fill)  # a whole body
+        scene.remove(region=mpm.box((8, 6), (16, 8)), over=1.0)  # the ground there, of whatever layer
+        scene.remove(fill)  # a whole body, at once
 
-    Weight, stress and momentum of the body are gone with the next step, and its weight counts no more in
+    Mass, stress and momentum of the body are gone with the next step, and its weight counts no more in
     `initialStress`. The body itself stays in `scene.bodies`, empty, and its name is not free: contact and
     checkpoints know bodies by number. `internalWork` stays, so energy balances lack the kinetic energy alone
     that the body had. There is no way back but a checkpoint.
@@ -41,14 +46,57 @@ def remove(scene, body: Body | None = None, region: Region | None = None) -> flo
     region : Region; default None: all of the body. Boxes that its edge cuts keep the mass, the volume and
         the centre of what is left of them; of a mesh whole domains go, by their centre, and a warning says
         how many are cut, and how `convert` makes boxes of them.
+    over : s, time in which what the removed soil gave to the nodes, its internal forces and its weight, fades
+        linearly (`ReleasedForces`), as finite elements release it in increments. Contact passed some of it on
+        to a wall: that takes it over. Far longer than waves take through the ground, it gives the static
+        answer. Default 0: at once, and the ground rebounds.
 
     Returns the mass that was taken out, Mg (plane strain: per metre; axisymmetric: of the whole
     circumference). Raises ValueError for a body of another scene, one that a Drive, a BoundaryLoad, a Spring
-    or a Force is for, and in scenes with a RigidContact; TypeError for what is no body; RuntimeError during a
-    step.
+    or a Force is for, in scenes with a RigidContact, and for `over` with pore water, whose pressure it does
+    not know, or under USF; TypeError for what is no body; RuntimeError during a step.
     """
     refuseDuringStep(scene, "remove")
     refuseMidStep(scene, "remove")
+    if over > 0:
+        return _removeSlowly(scene, body, region, over)
+    return _remove(scene, body, region)
+
+
+def _removeSlowly(scene, body, region, over):
+    """The same, with forces that stay and fade."""
+    if waterOf(scene):
+        raise ValueError(
+            f"Scene: remove(over={over:g}): the ground has pore water, whose pressure would go at once; "
+            "leave over out, and dig in layers"
+        )
+    if scene.scheme == "USF":
+        raise ValueError(
+            f"Scene: remove(over={over:g}): under USF forces follow from stresses of the next step; give "
+            "scheme='MUSL'"
+        )
+    labels = {engine.label for engine in scene.engines}
+    names = ["released", *(f"released {k}" for k in range(2, len(labels) + 3))]
+    released = classes["ReleasedForces"](over=over, label=next(n for n in names if n not in labels))
+    released._core.set("begins", scene.time)
+    _measure(scene, released)
+    mass = _remove(scene, body, region)
+    scene.engines.insert(scene.engines.index(scene._gridSolver("remove")), released)
+    _measure(scene, released)
+    return mass
+
+
+def _measure(scene, released):
+    """Lets it see the nodal forces of the particles as they are, with those of earlier removals."""
+    scene.prepare()
+    kinds = ("ParticleToGrid", "ReleasedForces")
+    with scene._holder.held("remove"):
+        for engine in [e for e in scene.engines if type(e).__name__ in kinds and e is not released]:
+            scene._core.actAlone(engine._core)
+        scene._core.actAlone(released._core)
+
+
+def _remove(scene, body, region):
     if region is not None or body is None:
         return _removeRegion(scene, body, region)
     _check(scene, body)
@@ -91,7 +139,7 @@ def _removeRegion(scene, body, region):
     for one, share, centre in found:
         before = float(one.mass.sum())
         if (share < LEAST_SHARE).all():
-            remove(scene, one)
+            _remove(scene, one, None)
         else:
             with scene._holder.held("remove"):
                 _removeParts(scene, one, region, share, centre)
@@ -163,7 +211,7 @@ def _refuseHeld(scene, body, ids):
 def dropDomains(scene, body, empty, numbers=None):
     """Domains leave a mesh by becoming boxes; those go with a body of their own."""
     name = f"{body.name} (removed)"
-    type = classes["UGIMP"]()
+    type = particleTypes["UGIMP"]()
     boxes = newBody(scene, name, body.material, type, None, 1.0, body.fbar, body.group, body.implicit)
     build(boxes, empty)
     scene._core.convertDomains(

@@ -196,6 +196,7 @@ class Stepper(TimeStep, Guarded):
             raise RuntimeError(
                 "Scene: a step is going on; a callback cannot change the engines: pause() first"
             )
+        chain.dropFaded(engines)
         scene._putInOrder(engines)  # the list itself may have been changed since it was given
         chain.checkComplete(engines, scene._core.stageOrder, scene.scheme)
         self._constraints = self._motions()

@@ -34,6 +34,7 @@ ENGINES = [
     "ParticleToGrid",
     "PointForce",
     "PoreWater",
+    "ReleasedForces",
     "RigidContact",
     "Spring",
     "SurfaceLoad",

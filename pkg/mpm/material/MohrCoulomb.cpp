@@ -195,8 +195,7 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
             double excess = 0;
             for (int k = 0; k < cut; ++k) excess += before[k] - cutOff();
             const double volume = excess / (2 * surface.mu + cut * surface.lambda); // plastic strain
-            for (int k = 0; k < 3; ++k)
-                s[k] = k < cut ? cutOff() : before[k] - surface.lambda * volume;
+            for (int k = 0; k < 3; ++k) s[k] = k < cut ? cutOff() : before[k] - surface.lambda * volume;
             if (cut == 3 || s[cut] <= cutOff()) return;
         }
     }

@@ -69,15 +69,7 @@ STATES = {
     "ReleasedForces": ("begins", "measured", "held", "force", "work"),
     "ViscousBoundary": ("held", "work", "column", "dashpots"),
     "PoreWater": ("iterations", "outflow", "inflow", "debt", "changes", "waits", "waitsAt", "waited"),
-    "Contact": (
-        "cells",
-        "gaps",
-        "frictionWork",
-        "edgeMotions",
-        "pressing",
-        "impulses",
-        "facetImpulses",
-    ),
+    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "pressing", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",
         "bodyWork",

@@ -8,6 +8,8 @@
 
 #include <Eigen/LU>
 
+#include <unordered_map>
+
 namespace mpm {
 
 template <int Dim> class Outline {
@@ -35,14 +37,21 @@ template <int Dim> class Outline {
         }
     }
 
-    // After particles have been made, sorted or restored.
+    // After particles have been made, sorted, restored or removed: a facet goes with its particle.
     void find(const Particles<Dim>& particles) {
         if (size() == 0) return;
-        const int64_t* ids = particles.id.integers();
-        std::vector<int> place(*std::max_element(ids, ids + particles.size()) + 1);
-        for (int p = 0; p < particles.size(); ++p) place[ids[p]] = p;
-        particle_.resize(size());
-        for (int i = 0; i < size(); ++i) particle_[i] = place[carrier.integers()[i]];
+        std::unordered_map<int64_t, int> place;
+        for (int p = 0; p < particles.size(); ++p) place.emplace(particles.id.integers()[p], p);
+        std::vector<int> kept;
+        particle_.clear();
+        for (int i = 0; i < size(); ++i) {
+            const auto found = place.find(carrier.integers()[i]);
+            if (found == place.end()) continue;
+            kept.push_back(i);
+            particle_.push_back(found->second);
+        }
+        if (int(kept.size()) < size())
+            for (Field* field : fields()) field->select(kept);
     }
 
     // Particle p was cut in two: it has moved by F d, the other by -F d.

@@ -137,3 +137,19 @@ def test_a_slanted_cut_of_a_mesh_names_the_line_that_makes_boxes_which_are_cut()
     scene.fix("bottom")
     scene.roller("left", "right")
     scene.run(steps=20, progress=False)
+
+
+def test_facets_of_an_outline_go_with_their_boxes():
+    """Contact looked for the place of a box that had gone."""
+    scene = mpm.Scene((0, 0), (4, 2), 0.5, gravity=9.81, threads=1)
+    scene.fix("bottom")
+    steel, sand = mpm.LinearElastic(**ELASTIC), mpm.MohrCoulomb(**ELASTIC, cohesion=5, frictionAngle=0.5)
+    wall = scene.add("wall", box((1.5, 0), (2, 2)), steel, mpm.APDI())
+    soil = scene.add("soil", box((2, 0), (4, 1.5)), sand, mpm.UGIMP(cut=True))
+    scene.contact(wall, soil)
+    scene.run(steps=2, progress=False)
+    before = len(np.asarray(soil._core.view("outlineCarrier", True)))
+    scene.remove(region=box((3, 0.5), (4, 2)))
+    scene.run(steps=5, progress=False)
+    carriers = np.asarray(soil._core.view("outlineCarrier", True))
+    assert 0 < len(carriers) < before and np.isin(carriers, soil.id).all()

@@ -17,8 +17,6 @@ template <int Dim> class BesideWalls {
     // By how many times what moves nothing may be faster than what moves. With 1 and 10 columns run out up to 14 %
     // otherwise, where they scatter by 4 % (decision 0033).
     static constexpr double mostUnseen = 3;
-    // It is slow beside a step, and takes as long as the rest of one in a thin layer.
-    static constexpr int everySteps = 10;
 
     // Once images of nodes move.
     explicit BesideWalls(Scene<Dim>& scene) : scene_(scene) {
@@ -113,7 +111,7 @@ template <int Dim> class BesideWalls {
         const double rate = excess / scene_.grid.sizeAt(x).minCoeff();
         for (int k = 0; k < Dim; ++k) {
             if (r[k] == 0) continue;
-            const double part = fixed[k] * rate * everySteps * scene_.dt,
+            const double part = fixed[k] * rate * scene_.dt,
                          loss = part / (1 + part) * excess / unseen * r[k];
             body.particles.velocity.plane(k)[p] -= loss;
             losses.push_back({face[k], k, m * loss, x});

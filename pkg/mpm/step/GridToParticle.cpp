@@ -72,7 +72,7 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     if (scene.grid.fields.front().straining == Straining::velocity) scene.state.parted.tellVelocity(scene);
     reflectMotion(scene);
     reactMirrored(scene, flip);
-    if (scene.step % BesideWalls<Dim>::everySteps == 0) BesideWalls<Dim>(scene).brake(flip);
+    BesideWalls<Dim>(scene).brake(flip);
     auto& fields = scene.grid.fields;
     const bool givesMomentum =
         fields.front().straining == Straining::noMomentum && scene.template nextRole<TakingMomenta>(*this);

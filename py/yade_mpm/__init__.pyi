@@ -173,7 +173,6 @@ class Contact(_Contact):
     constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
     sharedCells: bool
-    lastImpulses: Any
     label: str
     dead: bool
     def __init__(
@@ -182,7 +181,6 @@ class Contact(_Contact):
         friction: float = 0.0,
         adhesion: float = 0.0,
         separation: bool = True,
-        lastImpulses: Any = (),
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -642,7 +640,7 @@ class PoreWater(_PoreWater):
         sealed: bool = False,
         bulkModulus: float = 2200000.0,
         density: float = 1.0,
-        tolerance: float = 0.1,
+        tolerance: float = 0.01,
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -676,6 +674,21 @@ class PythonLaw(Material):
         states: float | Sequence[float] = (),
         stateNames: str = '',
         yields: bool = True,
+    ) -> None: ...
+
+
+class ReleasedForces(Engine):
+    """Forces of removed soil on the nodes, which fade linearly."""
+
+    over: float
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        over: float = 0.0,
+        label: str = '',
+        dead: bool = False,
     ) -> None: ...
 
 

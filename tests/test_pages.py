@@ -76,7 +76,7 @@ def frictionTakesResistance(names, said):
 def studyGoesOn(names, said):
     runOut = names["table"]["runOut"]
     assert list(runOut) == sorted(runOut, reverse=True) and len(list(Path("column/cases").iterdir())) == 4
-    assert abs(names["finer"]["runOut"].item() / names["coarse"] - 1) < 0.1
+    assert abs(names["finer"]["runOut"].item() / names["coarse"] - 1) < 0.15
 
 
 def wallFallsWhereMomentsBalance(names, said):

@@ -66,7 +66,6 @@ void exposeContact() {
         .def_readonly("gridLoss", &Contact::gridLoss)
         .def_readonly("reduced", &Contact::reduced)
         .def_readonly("unsettled", &Contact::unsettled)
-        .def_readonly("rounds", &Contact::rounds)
         .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
 

@@ -243,7 +243,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear();
     largestPenetration = gridLoss = 0;
-    sliding = reduced = unsettled = rounds = 0;
+    sliding = reduced = unsettled = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
     const Vec<Dim> gravity = gravityOf(scene);
     flip_ = flipOf(scene);
@@ -280,7 +280,6 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         law.mayBeThree = mayBeThree;
         unsettled +=
             !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
-        rounds += state.impulses.rounds();
         if (!state.impulses.implicit.isEmpty()) pair.negligible = state.impulses.negligible();
         bool isReduced;
         gridLoss += state.impulses.limitEnergy(search, pair, isReduced);

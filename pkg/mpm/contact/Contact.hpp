@@ -39,7 +39,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     std::vector<ContactRecord> table;
     std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
-    int sliding = 0, reduced = 0, unsettled = 0, rounds = 0;
+    int sliding = 0, reduced = 0, unsettled = 0;
 
     std::string className() const override { return "Contact"; }
     std::string doc() const override;

@@ -68,8 +68,7 @@ template <int Dim> class ContactImpulses {
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
 
-    int rounds() const { return rounds_; } // of the last solution
-    // What a round of it may change, by the energy of the motion, kJ.
+    // What a round of the last solution may change, by the energy of the motion, kJ.
     double negligible() const { return negligible_; }
 
     // lawOf(site): the friction law there. Returns whether the rounds have come to an end of their own.
@@ -82,9 +81,7 @@ template <int Dim> class ContactImpulses {
         if (most > 1) start(search, pair);
         mobilities_.clear();
         bool isSettled = most == 1;
-        rounds_ = 0;
         for (int round = 0; round < most && (round == 0 || !isSettled); ++round) {
-            ++rounds_;
             size_t number = 0;
             forSites(search, pair, [&](auto& site, const SiteNodes<Dim>& at) {
                 const FrictionLaw law = lawOf(site);
@@ -241,7 +238,6 @@ template <int Dim> class ContactImpulses {
     std::vector<Course> courses_;
     double changed_ = 0;    // energy of the motion by what the last round has changed, kJ,
     double negligible_ = 0; // and what ends the rounds
-    int rounds_ = 0;
 
     void give(int i, int side, const Impulses<Dim>& more, double weight) {
         nodes[i].take(side, more, weight);

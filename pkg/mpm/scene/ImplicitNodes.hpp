@@ -12,12 +12,17 @@ template <int Dim> class ImplicitNodes {
 
     // Of velocity fields with so many nodes; none is moved yet.
     void reset(size_t fields, int nodes) {
+        for (const auto& [field, node] : moved_) isMoved_[field][node] = 0;
+        moved_.clear();
         isMoved_.resize(fields);
-        for (auto& isMoved : isMoved_) isMoved.assign(nodes, 0);
+        for (auto& isMoved : isMoved_) isMoved.resize(nodes, 0);
         velocity_.resize(fields);
         for (auto& velocity : velocity_) velocity.resize(nodes, Velocity::zero());
     }
-    void setMoved(int field, int node) { isMoved_[field][node] = 1; }
+    void setMoved(int field, int node) {
+        isMoved_[field][node] = 1;
+        moved_.emplace_back(field, node);
+    }
     void setVelocity(int field, int node, int k, double v) { velocity_[field][node].set(k, v); }
 
     // Whether an implicit body moves a node of a velocity field.
@@ -27,6 +32,7 @@ template <int Dim> class ImplicitNodes {
 
   private:
     std::vector<std::vector<char>> isMoved_;
+    std::vector<std::pair<int, int>> moved_;      // fields and nodes
     std::vector<std::vector<Velocity>> velocity_; // m/s
 };
 

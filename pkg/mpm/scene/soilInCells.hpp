@@ -13,15 +13,6 @@ template <int Dim, class F> void forCellsBeside(const Grid<Dim>& grid, int cell,
     });
 }
 
-// Whether the bodies of a field may have given mass to a node in this step.
-template <int Dim> bool mayHaveMass(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
-    const Index<Dim> index = grid.indices(node);
-    const auto& extent = field.extents[index[Dim - 1]];
-    bool isIn = true;
-    for (int k = 0; k < Dim - 1; ++k) isIn &= index[k] >= extent.first[k] && index[k] <= extent.last[k];
-    return isIn && extent.first[0] <= extent.last[0];
-}
-
 // Of the bodies of a soil on a node, or so far of its meshes, m3. They have about one density: that of the first.
 template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int node, bool ofMeshes) {
     double density = 0;
@@ -30,7 +21,7 @@ template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int n
             (!ofMeshes || body->domains->mesh()))
             density = body->material->density;
     const auto& field = scene.grid.fields[group];
-    return density > 0 && mayHaveMass(scene.grid, field, node)
+    return density > 0 && scene.grid.mayHaveMass(field, node)
                ? field.sum[node][NodalField<Dim>::weightMass] / density
                : 0;
 }

@@ -258,6 +258,14 @@ template <int Dim> class Grid {
         return x;
     }
 
+    // Whether the particles of a field may have given mass to a node in this step.
+    bool mayHaveMass(const NodalField<Dim>& field, int node) const {
+        const Index<Dim> index = indices(node);
+        const auto& extent = field.extents[index[Dim - 1]];
+        bool isIn = extent.first[0] <= extent.last[0];
+        for (int k = 0; k < Dim - 1; ++k) isIn &= index[k] >= extent.first[k] && index[k] <= extent.last[k];
+        return isIn;
+    }
     // Calls f(node) for the nodes of a slab that the particles of a field touched.
     template <class F> void forNodes(const NodalField<Dim>& field, int slab, F&& f) const {
         forNodes(field.extents[slab], slab, f);

@@ -219,11 +219,7 @@ template <int Dim> bool ImplicitSystem<Dim>::iterate(const Scene<Dim>& scene) {
 // Whether another group has mass on its nodes: Contact then asks for the factor.
 template <int Dim> bool ImplicitSystem<Dim>::mayMeetOthers(const Scene<Dim>& scene) const {
     const auto has = [&](const NF& other, int node) {
-        const Index<Dim> at = scene.grid.indices(node);
-        const auto& extent = other.extents[at[Dim - 1]];
-        for (int k = 0; k < Dim - 1; ++k)
-            if (at[k] < extent.first[k] || at[k] > extent.last[k]) return false;
-        return other.sum[node][NF::mass] > 0;
+        return scene.grid.mayHaveMass(other, node) && other.sum[node][NF::mass] > 0;
     };
     for (size_t other = 0; other < scene.grid.fields.size(); ++other)
         for (int node : nodes)

@@ -74,13 +74,14 @@ class ReleasedForces : public EngineOf<ReleasedForces> {
     template <int Dim> void measure(Scene<Dim>& scene, State<Dim>& state) {
         using NF = NodalField<Dim>;
         const Vec<Dim> gravity = gravityOf(scene);
+        const double least = scene.leastMass();
         AtNodes<Dim> now;
         for (int f = 0; f < int(scene.grid.fields.size()); ++f) {
             const auto& field = scene.grid.fields[f];
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(field, slab, [&](int node) {
                     const auto& sum = field.sum[node];
-                    if (sum[NF::mass] > scene.leastMass())
+                    if (sum[NF::mass] > least)
                         now[{f, node}] = {NF::forceOf(sum) + sum[NF::weightMass] * gravity, sum[NF::mass]};
                 });
         }
@@ -131,24 +132,15 @@ class ReleasedForces : public EngineOf<ReleasedForces> {
 
     // Forces on a node that its group has left are gone.
     template <int Dim> void dropMassless(const Scene<Dim>& scene, std::vector<Row<Dim>>& rows) {
-        const auto isGone = [&](const Row<Dim>& row) {
+        const auto isGone = [&, least = scene.leastMass()](const Row<Dim>& row) {
             if (row.field >= int(scene.grid.fields.size())) return true;
             const auto& nodal = scene.grid.fields[row.field];
-            return !(isTouched(scene.grid, nodal, row.node) &&
-                     nodal.sum[row.node][NodalField<Dim>::mass] > scene.leastMass());
+            return !(scene.grid.mayHaveMass(nodal, row.node) &&
+                     nodal.sum[row.node][NodalField<Dim>::mass] > least);
         };
         rows.erase(std::remove_if(rows.begin(), rows.end(), isGone), rows.end());
         if (held.size() != (2 + Dim) * rows.size()) keep(rows);
     }
-    // Whether particles of a field are near; what other nodes hold is of earlier steps.
-    template <int Dim> static bool isTouched(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
-        const Index<Dim> at = grid.indices(node);
-        const auto& extent = field.extents[at[Dim - 1]];
-        bool is = true;
-        for (int k = 0; k < Dim - 1; ++k) is &= at[k] >= extent.first[k] && at[k] <= extent.last[k];
-        return is;
-    }
-
     template <int Dim> void keep(const std::vector<Row<Dim>>& rows) {
         held.clear();
         for (const auto& row : rows) {

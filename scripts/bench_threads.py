@@ -6,8 +6,9 @@
     scripts/run bench_threads --scenes pile --engines     # a table of the engines of one scene
 
 boxes: 300,000 boxes with F-bar, and a strip that slips on them. hybrid: the same soil, meshes away from the
-strip. pile: the default of scripts/sheet_pile.py. Times are means of the quietest tenth of the run. The
-state at the end must have the same bits for any number of threads, or the program ends with an error.
+strip. GB/s: what a step reads and writes at least (`Timing.bandwidth`). pile: the default of
+scripts/sheet_pile.py. Times are means of the quietest tenth of the run. The state at the end must have the
+same bits for any number of threads, or the program ends with an error.
 """
 
 import argparse
@@ -99,7 +100,7 @@ def main():
     print(f"{os.cpu_count()} processors")
     print(
         f"{'scene':7} {'particles':>9} {'threads':>7} {'ms/step':>8} {'ns/particle':>11} {'speed-up':>8} "
-        f"{'alone':>6} {'loops':>6} {'bound 16':>8}  bits"
+        f"{'alone':>6} {'loops':>6} {'bound 16':>8} {'GB/s':>6}  bits"
     )
     for name in a.scenes:
         first, bits = None, set()
@@ -114,7 +115,7 @@ def main():
             )
             print(
                 f"{name:7} {particles:9} {threads:7} {1e3 * seconds:8.3f} {1e9 * seconds / particles:11.1f} "
-                f"{first / seconds:8.2f} {shares:22}  {state}",
+                f"{first / seconds:8.2f} {shares:22} {timing.bandwidth / 1e9:6.2f}  {state}",
                 flush=True,
             )
             if a.engines:

@@ -125,4 +125,5 @@ class HasEngines:
         return Timing(
             {name: (e.seconds, e.calls) for name, e in engines.items()},
             {name: e._core.threadUse for name, e in engines.items()},
+            sum(body._core.bytes for body in self.bodies),
         )

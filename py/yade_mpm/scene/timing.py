@@ -18,13 +18,18 @@ class Timing(dict):
     alone : share of the work that one thread does while the others wait, -.
     imbalance : time of the loops that threads share, over the time with even shares and no waiting, -.
     bound : by Amdahl's law, how many times as fast 16 threads can be as one.
+    memory : what the particles hold, bytes.
+    bandwidth : bytes per second of the steps, if a step reads and writes all that the particles hold once;
+        it reads more of it twice. Where more threads do not raise it, memory sets the speed.
 
-    All but `threads` are None before a run on two threads or more.
+    `alone`, `imbalance` and `bound` are None before a run on two threads or more, `bandwidth` before a run.
     """
 
-    def __init__(self, times, threads):
+    def __init__(self, times, threads, memory):
         super().__init__(times)
-        self.threads = threads
+        self.threads, self.memory = threads, memory
+        seconds, steps = sum(t for t, _ in self.values()), max(n for _, n in self.values())
+        self.bandwidth = 2 * memory * steps / seconds if seconds else None
         alone, busy, waiting = map(sum, zip(*self.threads.values()))
         isMeasured = busy > 0
         self.alone = alone / (alone + busy) if isMeasured else None
@@ -37,7 +42,7 @@ class Timing(dict):
         def less(now, before):  # an engine may have been added between the two
             return {n: tuple(np.subtract(now[n], before.get(n, 0)).tolist()) for n in now}
 
-        return Timing(less(self, earlier), less(self.threads, earlier.threads))
+        return Timing(less(self, earlier), less(self.threads, earlier.threads), self.memory)
 
     def __repr__(self):
         width = max(map(len, self))
@@ -51,9 +56,11 @@ class Timing(dict):
 
     def line(self):
         """What limits the speed on many threads, in one line."""
+        memory = f"; memory: at least {self.bandwidth / 1e9:.2g} GB/s" if self.bandwidth else ""
         if self.alone is None:
-            return "threads: not measured; run on two or more"
+            return f"threads: not measured; run on two or more{memory}"
         return (
             f"threads: one does {self.alone:.1%} of the work alone, loops last {self.imbalance:.2f} times as "
             f"long as with even shares; {CORES} threads are at most {self.bound:.1f} times as fast as one"
+            + memory
         )

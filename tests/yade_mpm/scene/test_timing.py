@@ -47,8 +47,21 @@ def test_engines_share_their_loops():
 def test_the_table_has_a_line_of_threads():
     text = str(block(2))
     assert text.splitlines()[-1].startswith("threads: ") and "ParticleToGrid" in text
-    assert str(block(1)).splitlines()[-1] == "threads: not measured; run on two or more"
+    assert str(block(1)).splitlines()[-1].startswith("threads: not measured; run on two or more; memory: ")
     assert block(1).alone is None
+
+
+def test_the_bandwidth_is_what_the_particles_hold_read_and_written_in_each_step():
+    scene = mpm.Scene((0, 0), (2, 2), 0.1, threads=1, gravity=9.81)
+    scene.fix("bottom")
+    soil = scene.add("block", box((0, 0), (2, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.2))
+    scene.dt = 1e-4
+    assert scene.timing().bandwidth is None and "memory" not in scene.timing().line()
+    scene.run(steps=STEPS, progress=False)
+    timing = scene.timing()
+    assert timing.memory == pytest.approx(soil.bytesPerParticle * soil.count)
+    seconds = sum(seconds for seconds, _ in timing.values())
+    assert timing.bandwidth == pytest.approx(2 * timing.memory * STEPS / seconds)
 
 
 def test_engines_of_a_kind_have_lines_of_their_own_and_may_come_later():

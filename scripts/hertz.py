@@ -63,10 +63,10 @@ def rise(x, radius):
     return radius - np.sqrt(radius**2 - x**2)
 
 
-def block(bottom, top, size):
-    """Mesh of a block 0 <= x <= EXTENT; bottom, top: heights as functions of x."""
-    n, m = round(EXTENT / size), round((top(0.0) - bottom(0.0)) / size)
-    x, t = np.meshgrid(np.linspace(0, EXTENT, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
+def block(bottom, top, size, left=0.0):
+    """Mesh of a block left <= x <= EXTENT; bottom, top: heights as functions of x."""
+    n, m = round((EXTENT - left) / size), round((top(0.0) - bottom(0.0)) / size)
+    x, t = np.meshgrid(np.linspace(left, EXTENT, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
     return geotech.quadrilaterals(x, bottom(x) + t * (top(x) - bottom(x)))
 
 

@@ -74,6 +74,7 @@ STATES = {
         "frictionWork",
         "bodyWork",
         "soilWork",
+        "longestStep",
         "shapes",
         "heightFields",
         "heights",

@@ -243,6 +243,12 @@ class Layer(OnRaster):
         return [lower[axis], upper[axis]]
 
 
+def onTerrain(region) -> bool:
+    """Whether a region has a raster, alone or among its parts."""
+    parts = (getattr(region, name, None) for name in ("_a", "_b"))
+    return isinstance(region, OnRaster) or any(onTerrain(part) for part in parts if part is not None)
+
+
 def _heights(who, what, given, least=1):
     try:
         array = floats(given)

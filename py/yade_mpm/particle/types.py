@@ -18,6 +18,7 @@ from ..geometry.meshInput import meshFromArrays, meshFromFile
 from ..geometry.meshRows import rowByRow
 from ..geometry.particleSet import ParticleSet
 from ..geometry.region import Region
+from ..geometry.terrain import onTerrain
 
 
 class Boxes(NamedTuple):
@@ -70,14 +71,15 @@ class ParticleType(Attributed):
                 f"{scene.dim}"
             )
         lattice = (region, scene.lower, scene.upper, spacing, name)
-        if not getattr(self, "cut", False):
+        cut = getattr(self, "cut", False)
+        if not (cut or onTerrain(region)):
             return Boxes(latticePoints(*lattice), spacing / 2)
         positions, shares, numbers = cutCells(*lattice)
         return Boxes(
             positions,
             spacing / 2,
             shares,
-            *(cutOutline(*lattice, numbers, positions) if self.outline else ()),
+            *(cutOutline(*lattice, numbers, positions) if cut and self.outline else ()),
         )
 
 

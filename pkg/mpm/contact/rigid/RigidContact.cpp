@@ -126,7 +126,7 @@ template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Sce
     std::vector<RigidContactPoint> contacts = findOverlaps(scene);
     const auto& points = std::get<Points<Dim>>(points_);
     remember(contacts, history);
-    fitNewBoxes(scene, points, shape_, particlesBefore(), contacts);
+    fitNewBoxes(scene, points, shape_, particlesBefore(), std::vector<Softness>(bodies()), contacts);
     for (const RigidContactPoint& c : contacts) {
         const double depth = points[c.soil].halfAlong(c.normal) * (c.stretch - 1) - c.gap;
         if (depth > deepest[c.body].depth) deepest[c.body] = {c.body, c.soil, depth};
@@ -167,7 +167,7 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     forgetRenumbered(scene);
     cutHistory(scene, points, history);
     remember(contacts, history);
-    fitNewBoxes(scene, points, shape_, known, contacts);
+    fitNewBoxes(scene, points, shape_, known, softness(), contacts);
     std::get<MappedVelocities<Dim>>(step_->velocities).begin(scene);
     forces.fill(0);
     torques.fill(0);
@@ -233,7 +233,7 @@ bool RigidContact::touch(Scene<Dim>& scene, const Points<Dim>& all, RigidContact
     const Vec3 n = c.normal;
     touching.arms = {points.armAlong(n, c.stretch), -points.exitAlong(n) * std::min(c.stretch, 1.0) * n};
     touching.at = points.position(c.place) + touching.arms.friction;
-    touching.area = points.area(c.place, n);
+    touching.area = points.area(c.place, n) / c.cutTo;
     if (touching.box) touching.hats.emplace(soil, scene.grid, index, touching.arms.normal);
     const Vec3 against = frictionVelocity(velocities, soil, c, touching.arms, touching.atSurface());
     touching.carried = scene.dt * rigid.velocityAt(touching.at);

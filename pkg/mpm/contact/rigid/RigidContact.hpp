@@ -57,6 +57,7 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, publ
     std::vector<BodySize> sizes; // of the bodies of the scene in the last step
     double stiffness = notGiven, stiffnessFactor = 0.3, shearRatio = 0.8, normalDamping = 0;
     double frictionWork = 0, bodyWork = 0, soilWork = 0; // kJ, since the start
+    double longestStep = 0;                              // s, so far
     std::string normalLaw = "penalty";
     double hertzOverlap = notGiven;
     bool checkBalance = false;
@@ -133,9 +134,10 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, publ
     double storedBy(double overlap) const;
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
-    template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);
+    template <int Dim> void softenForLightBodies(const Points<Dim>& points);
     template <int Dim> void setPenalty(const Scene<Dim>& scene, const Points<Dim>& points);
     std::vector<int> particlesBefore() const;
+    std::vector<Softness> softness() const;
     template <int Dim> Points<Dim>& look(Scene<Dim>& scene);
     template <int Dim> std::vector<RigidContactPoint> findOverlaps(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);

@@ -42,8 +42,9 @@ std::vector<Parameter> RigidContact::attributes() {
          "the two have by themselves.",
          recordsOf(pairs)},
         {"stiffness", "kPa/m",
-         "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
-         Range::positive()},
+         "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point and the "
+         "longest step so far.",
+         &stiffness, Range::positive()},
         {"stiffnessFactor",
          "-",
          "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
@@ -75,6 +76,7 @@ std::vector<Parameter> RigidContact::attributes() {
          "Work that the soil has got from the contacts since the start; the rest of bodyWork went to "
          "friction and to the springs of the contacts.",
          &soilWork},
+        {"longestStep", "s", "Longest step so far, by which the stiffness is chosen.", &longestStep},
         {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
         {"heightFields", "", "Rasters of the height fields, a row each; made by addBody.",
          recordsOf(heightFields)},

@@ -21,8 +21,9 @@ struct RigidContactPoint {
     Vec3 slip = Vec3::Zero();   // m, tangential displacement that the spring holds
     // M, the vertex, or where the particle would be had it moved as it is strained
     Vec3 point = Vec3::Zero();
-    double gap = 0;            // m, negative where they overlap
-    double stretch = 1;        // of a box along the normal, since it was touched
+    double gap = 0;     // m, negative where they overlap
+    double stretch = 1; // of a box along the normal, since it was touched
+    double cutTo = 1;   // of a box, what the ground left of its thickness: so much wider it is for its volume
     Vec3 force = Vec3::Zero(); // kN, on the soil
     // m/s, of the surface of a box against its centre, by the velocities of the nodes that have strained it and that
     // contact has tied (MUSL), beyond what its velocity gradient says; not a number: not tied
@@ -37,6 +38,7 @@ struct RigidContactPoint {
         visit("point", "m", row.point);
         visit("gap", "m", row.gap);
         visit("stretch", "-", row.stretch);
+        visit("cutTo", "-", row.cutTo);
         visit("force", "kN", row.force);
         visit("bend", "m/s", row.bend);
     }

@@ -28,7 +28,9 @@ double RigidContact::storedBy(double overlap) const {
     return 0.4 * overlap * felt;
 }
 
-// kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
+// kappa = factor min(m/A)/dt^2, with the longest step so far: with that of each step the springs would kick
+// what they hold whenever a step is shorter, as the last ones before a time that was asked for. By Jensen's
+// inequality the nodes see no higher frequency than the points
 // alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times
 // 1/(1 - l/h) + 4 l/h, which is the largest sum w_i^2/phi_i: a face just beyond a line of the grid.
 template <int Dim>
@@ -36,8 +38,8 @@ double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>&
     double least = anyMass;
     for (auto& p : points)
         if (p.count() > 0) least = std::min(least, p.massPerArea());
+    if (std::isnan(stiffness)) return stiffnessFactor * least / (longestStep * longestStep);
     const double most = least / (scene.dt * scene.dt);
-    if (std::isnan(stiffness)) return stiffnessFactor * most;
     require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ",
             most, " for dt = ", scene.dt, " s, or lower dt");
     return stiffness;
@@ -45,8 +47,7 @@ double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>&
 
 // A body of mass M that is touched on the area A answers with kappa A/M, which dt has to resolve as it does the
 // points' own kappa/(m/A): a sphere lighter than a box would leave faster than it came.
-template <int Dim>
-void RigidContact::softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points) {
+template <int Dim> void RigidContact::softenForLightBodies(const Points<Dim>& points) {
     double onePoint = 0;
     for (auto& p : points)
         if (p.count() > 0) onePoint = std::max(onePoint, p.largestArea());
@@ -55,7 +56,8 @@ void RigidContact::softenForLightBodies(const Scene<Dim>& scene, const Points<Di
         bodyStiffness_[b] = stiffnessUsed;
         if (!(masses[b] > 0)) continue;
         const double massPerArea = masses[b] / std::max(area_[b], onePoint);
-        bodyStiffness_[b] = std::min(stiffnessUsed, stiffnessFactor * massPerArea / (scene.dt * scene.dt));
+        bodyStiffness_[b] =
+            std::min(stiffnessUsed, stiffnessFactor * massPerArea / (longestStep * longestStep));
     }
 }
 
@@ -82,11 +84,20 @@ void RigidContact::takePenalty(const Scene<Dim>& scene, const BodyPoints<Dim>& p
 // For the points as they are in this step.
 template <int Dim> void RigidContact::setPenalty(const Scene<Dim>& scene, const Points<Dim>& points) {
     if (!isSoft()) return;
+    longestStep = std::max(longestStep, scene.dt);
     stiffnessUsed = chooseStiffness(scene, points);
-    softenForLightBodies(scene, points);
+    softenForLightBodies(points);
     softTo_ = normalLaw != "Hertz"       ? 0
               : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
                                          : hertzOverlap;
+}
+
+// Of the straight law.
+std::vector<Softness> RigidContact::softness() const {
+    std::vector<Softness> of(bodies());
+    for (int b = 0; b < bodies() && isSoft(); ++b)
+        of[b] = {1 / bodyStiffness_[b], 1 / (shearRatio * bodyStiffness_[b])};
+    return of;
 }
 
 template void RigidContact::setPenalty(const Scene<2>&, const Points<2>&);

@@ -9,6 +9,8 @@ namespace {
 
 // Overlap, in cells, up to which there is none: a body that touches flat ground gets no force from round-off.
 constexpr double roundOff = 1e-12;
+// Gap, in cells, up to which a face lies on the ground: round-off of coordinates.
+constexpr double flush = 1e-9;
 // Cosine between normals above which two contacts of a pair are one.
 constexpr double sameSide = 0.5;
 // Cosine between normals below which the rotation from one to the other is not known: they are opposite.
@@ -29,6 +31,31 @@ Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, const Rigid
     if (soil.type->isMeshed() || !scene.scheme->remaps) return own;
     own.head<Dim>() = vectorAt<Dim>(soil.particles.velocity, c.place);
     return scene.dt * (c.motion.centre - own);
+}
+
+// A box that its region was cut through is thinner and not narrower: its spring counts the whole area of its
+// face, but for boxes so thin that a node may have mass from them alone. Of that node phi is l/(4h) at most
+// where their face meets a line of the grid, and the spring must not be stiffer for it than the time step
+// allows. And the spring holds what the stress presses and shears the ground with.
+template <int Dim>
+void holdStress(const Scene<Dim>& scene, const Body<Dim>& soil, double half, const Softness& soft,
+                RigidContactPoint& c) {
+    const Particles<Dim>& particles = soil.particles;
+    const Vec<Dim> l = soil.domains->boxes()->halfSize();
+    const double volume = particles.initialVolume.plane()[c.place];
+    const double left = std::min(1.0, std::max(volume / (2 * l).prod(), c.stretch));
+    c.cutTo = std::max(left, l.minCoeff() / (4 * scene.grid.smallestCell().minCoeff()));
+    Vec3 traction = Vec3::Zero(); // on the soil
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            traction[i] -= particles.stress.plane(3 * std::min(i, j) + std::max(i, j))[c.place] * c.normal[j];
+    if (!(traction.dot(c.normal) > 0)) return;
+    // from the centre to the ground it rises by the weight between
+    traction.template head<Dim>() -=
+        particles.mass.plane()[c.place] / volume * half * c.stretch * gravityOf(scene);
+    const double pressure = traction.dot(c.normal), wanting = c.cutTo / left;
+    c.slip = -soft.shear * wanting * (traction - pressure * c.normal);
+    c.stretch += soft.normal * wanting * pressure / half;
 }
 
 // The boxes of a body that were cut in this step.
@@ -120,6 +147,7 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
             if (same->normal.dot(c.normal) <= nearest) continue;
             nearest = same->normal.dot(c.normal);
             c.stretch = same->stretch;
+            c.cutTo = same->cutTo;
             c.isKnown = true;
             c.bend = same->bend;
             if (!same->pushes()) continue;
@@ -165,19 +193,22 @@ void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& poi
 template <int Dim>
 void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                  const std::vector<RigidShape>& shapes, const std::vector<int>& known,
-                 std::vector<RigidContactPoint>& contacts) {
+                 const std::vector<Softness>& softness, std::vector<RigidContactPoint>& contacts) {
     const auto isHalf = [&](const RigidContactPoint& c) {
         const auto& cuts = justCut(*scene.bodies[c.soil]);
         return std::any_of(cuts.begin(), cuts.end(), [&](auto& cut) { return cut.kept == c.id; });
     };
+    const double touches = flush * scene.grid.smallestCell().minCoeff();
     for (RigidContactPoint& c : contacts) {
         const double half = points[c.soil].halfAlong(c.normal);
-        if (c.isKnown || c.gap >= 0 || half == 0) continue;
-        const bool isNew = c.soil >= int(known.size()) ? shapes[c.shape].kind == RigidShape::HeightField
-                                                       : c.id >= known[c.soil] || isHalf(c);
+        if (c.isKnown || c.gap >= touches || half == 0) continue;
+        const bool isNewBody = c.soil >= int(known.size());
+        const bool isNew =
+            isNewBody ? shapes[c.shape].kind == RigidShape::HeightField : c.id >= known[c.soil] || isHalf(c);
         if (!isNew) continue;
         c.stretch = std::max(0.0, 1 + c.gap / half);
         c.isKnown = true;
+        if (isNewBody) holdStress(scene, *scene.bodies[c.soil], half, softness[c.body], c);
     }
 }
 
@@ -212,9 +243,11 @@ template void NearContacts::find(const Scene<3>&, const std::vector<BodyPoints<3
 template void cutHistory(const Scene<2>&, const std::vector<BodyPoints<2>>&, std::vector<RigidContactPoint>&);
 template void cutHistory(const Scene<3>&, const std::vector<BodyPoints<3>>&, std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const Scene<2>&, const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,
-                          const std::vector<int>&, std::vector<RigidContactPoint>&);
+                          const std::vector<int>&, const std::vector<Softness>&,
+                          std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const Scene<3>&, const std::vector<BodyPoints<3>>&, const std::vector<RigidShape>&,
-                          const std::vector<int>&, std::vector<RigidContactPoint>&);
+                          const std::vector<int>&, const std::vector<Softness>&,
+                          std::vector<RigidContactPoint>&);
 template void followStrain(const Scene<2>&, const BodyPoints<2>&, MappedVelocities<2>&, const BoxNodes<2>*,
                            RigidContactPoint&);
 template void followStrain(const Scene<3>&, const BodyPoints<3>&, MappedVelocities<3>&, const BoxNodes<3>*,

@@ -56,13 +56,19 @@ template <int Dim>
 void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                 std::vector<RigidContactPoint>& history);
 
+// How much a spring gives way under 1 kPa: along the normal and across it. Zero: there are none.
+struct Softness {
+    double normal = 0, shear = 0; // m/kPa
+};
+
 // Boxes that are new are as thick as fits, so that they start without overlap: both halves of one that was cut
-// before it was in touch, pieces of a mesh, and boxes of a new body on ground, which its region was cut to. known:
-// particles of each body in the step before.
+// before it was in touch, pieces of a mesh, and boxes of a new body on ground, which its region was cut to.
+// These start with the overlap and the slip that hold the stress they were given: what lies in equilibrium
+// does not drop. known: particles of each body in the step before. softness: of each rigid body.
 template <int Dim>
 void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                  const std::vector<RigidShape>& shapes, const std::vector<int>& known,
-                 std::vector<RigidContactPoint>& contacts);
+                 const std::vector<Softness>& softness, std::vector<RigidContactPoint>& contacts);
 
 // Whether the strain may have moved a point so far that it is in touch.
 template <int Dim> bool mayTouch(const Scene<Dim>& scene, const RigidContactPoint& contact) {

@@ -224,6 +224,63 @@ def test_a_layer_has_the_volume_of_its_raster_and_keeps_it_at_rest():
     assert np.isnan(maps.arrival).sum() > 20 and (maps.arrival[5:11, 3:6] == 0).all()
 
 
+def atRest(ground, stressed=True, **options):
+    """A layer of sand of 1 m on ground, 8 m wide, with the stress that its weight gives it: scene, body."""
+    sand = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=5e3, poisson=0.3, cohesion=0, frictionAngle=0.5, dilatancyAngle=0
+    )
+    scene = mpm.Scene((0, 0), (8, 5), 0.25, gravity=G, **options)
+    scene.roller("left", "right")
+    body = scene.add("sand", ground.layer(1.0), sand, mpm.UGIMP())
+    scene.terrain(ground, friction=0.5)
+    if stressed:
+        scene.groundStress(K0=0.5)
+    return scene, body
+
+
+@pytest.mark.parametrize("height", [0.5, 0.6, 0.615], ids=["on the lattice", "off it", "thin boxes"])
+def test_a_layer_with_the_stress_of_its_weight_lies_still(height):
+    """No damping: no box gets faster than 2 cm/s in 3 s. Control: without stress the layer settles by more
+    than ten times as much."""
+    moved = {}
+    for stressed in (True, False):
+        scene, body = atRest(mpm.heightField(np.full(17, height), 0.5), stressed)
+        assert body.volume.sum() == pytest.approx(8, rel=1e-3)
+        start = body.position.copy()
+        for _ in range(10):
+            scene.run(steps=100, progress=False)
+            assert not stressed or np.abs(body.velocity).max() < 0.02
+        moved[stressed] = np.abs(body.position - start).max()
+    assert moved[True] < 1.5e-3, "m"
+    assert moved[False] > 10 * moved[True]
+
+
+def test_a_layer_on_a_slope_comes_to_rest():
+    """With damping, on a slope that boxes do not fit."""
+    scene, body = atRest(mpm.heightField(0.5 + 0.1 * np.arange(0, 8.01, 0.5), 0.5), damping=0.1)
+    scene.run(steps=1500, progress=False)
+    assert np.abs(body.velocity).max() < 2e-3, "m/s"
+    start = body.position.copy()
+    scene.run(steps=500, progress=False)
+    assert np.abs(body.position - start).max() < 1e-4, "m"
+
+
+def test_steps_that_are_shortened_to_end_at_a_time_kick_nothing():
+    """The stiffness is that of the longest step. Control: one that is given as large as shorter steps would
+    have it moves the layer."""
+    scene, body = atRest(mpm.heightField(np.full(17, 0.5), 0.5), damping=0.1)
+    contact = next(e for e in scene.engines if type(e).__name__ == "RigidContact")
+    scene.run(steps=400, progress=False)
+    kappa, dt = contact.stiffnessUsed, scene.dt
+    for _ in range(5):
+        scene.run(until=scene.time + 10.1 * dt, progress=False)
+        assert contact.stiffnessUsed == kappa
+    assert np.abs(body.velocity).max() < 2e-3, "m/s"
+    contact.stiffness = 1.2 * kappa
+    scene.run(steps=10, progress=False)
+    assert np.abs(body.velocity).max() > 1e-2, "m/s"
+
+
 def test_maps_are_drawn_where_the_flow_came():
     scene, _, maps, _, depth = layered()
     scene.run(steps=2, progress=False)

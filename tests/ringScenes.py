@@ -5,7 +5,11 @@ import pytest
 import yade_mpm as mpm
 
 DENSITY, YOUNG, POISSON = 2.0, 1e3, 0.25
-TYPES = {"UGIMP": lambda h: mpm.UGIMP(perCell=2), "APDI": lambda h: mpm.APDI(size=h)}
+TYPES = {
+    "UGIMP": lambda h: mpm.UGIMP(perCell=2),
+    "APDI": lambda h: mpm.APDI(size=h),
+    "BSpline": lambda h: mpm.BSpline(perCell=2),
+}
 both = pytest.mark.parametrize("kind", TYPES)
 
 

@@ -224,7 +224,7 @@ def wideLayout(seed, free=False):
     dim = str(rng.choice(["plane", "rings", "space"]))
     areEven = any(b.type == "BSpline" for b in layout.blocks)  # a kernel for equal cells
     isGraded = rng.integers(2) and not areEven
-    blocks = tuple(replace(b, **chosen(b, rng, layout, dim)) for b in layout.blocks)
+    blocks = tuple(replace(b, **chosen(b, rng, layout)) for b in layout.blocks)
     load = "" if free else str(rng.choice(["", "pressure", "drive", "spring"]))
     layout = replace(layout, blocks=blocks, load=load)
     if isGraded:
@@ -234,13 +234,12 @@ def wideLayout(seed, free=False):
     return inSpace(layout, int(rng.integers(2, 4)), free) if dim == "space" else layout
 
 
-def chosen(block, rng, layout, dim):
-    """What is by chance in a block besides: F-bar, whether it is implicit; in rings a type made for them."""
-    type = block.type if dim != "rings" or block.type != "BSpline" else "UGIMP"
-    isElastic = block.law in ("LinearElastic", "NeoHookean") and type != "BSpline"
+def chosen(block, rng, layout):
+    """What is by chance in a block besides: F-bar, and whether it is implicit."""
+    isElastic = block.law in ("LinearElastic", "NeoHookean") and block.type != "BSpline"
     implicit = bool(rng.integers(2)) and isElastic and layout.scheme != "USF"
     fbar = (None, False, True)[rng.integers(3)]
-    return dict(type=type, implicit=implicit, fbar=None if implicit else fbar)
+    return dict(implicit=implicit, fbar=None if implicit else fbar)
 
 
 def graded(layout):

@@ -15,9 +15,11 @@ struct QuadraticBSpline {
         "Source: Steffen, Kirby & Berzins 2008, Int. J. Numer. Meth. Eng. 76(6), 922-948.";
     static constexpr int support = 3;
 
-    static AxisWeights<support> along(double c, double /*l*/) {
-        const double below = 0.5 - c, above = 0.5 + c;
-        return {{0.5 * below * below, 0.75 - c * c, 0.5 * above * above}, {-below, -2 * c, above}};
+    static AxisWeights<support> along(double c, double l) {
+        const double below = 0.5 - c, above = 0.5 + c, bend = 0.5 * l * l; // l^2 S''/2 of the outer nodes
+        return {{0.5 * below * below, 0.75 - c * c, 0.5 * above * above},
+                {-below, -2 * c, above},
+                {bend, -2 * bend, bend}};
     }
 };
 

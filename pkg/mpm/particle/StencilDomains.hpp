@@ -11,8 +11,8 @@
 //   static AxisWeights<support> along(double c, double l);
 //
 // where c is the position of the point from the middle of its nodes, in cells and in [-1/2, 1/2), and l half
-// the edge of its share of the lattice, in cells. BSpline.cpp is an example;
-// doc/development/adding-a-particle-type.md goes on from here.
+// the edge of its share of the lattice, in cells. With axial symmetry stress and strain round the axis go by
+// phi/r. BSpline.cpp is an example; doc/development/adding-a-particle-type.md goes on from here.
 #pragma once
 
 #include "mpm/particle/LatticeType.hpp"
@@ -20,9 +20,11 @@
 
 namespace mpm {
 
-// Along one axis: weights of the nodes that a point reaches, and their derivatives over c.
+// Along one axis: weights of the nodes that a point reaches, and their derivatives over c. R: what those along
+// the radius gain with axial symmetry, times the radius in cells, so that S + r G is the mean of d(r S)/dr over
+// the share of the point and a uniform stress is in equilibrium. Zero is right for hats of points.
 template <int nodes> struct AxisWeights {
-    double S[nodes], G[nodes];
+    double S[nodes], G[nodes], R[nodes] = {};
 };
 
 template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim> {
@@ -41,8 +43,6 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
             takesUnequalCells() || !grid.isGraded(), Kernel::name, " in '", Base::bodyName,
             "': its kernel is made for equal cells, and the grid is graded; use UGIMP or APDI, or a scene "
             "without grading");
-        require(takesAxialSymmetry() || !grid.isAxisymmetric, Kernel::name, " in '", Base::bodyName,
-                "': its weights do not know the radius, and the scene is axisymmetric; use UGIMP or APDI");
         half_.resize(Dim);
         for (int k = 0; k < Dim; ++k) half_.plane()[k] = geometry.halfSize[k];
         double volume = 1;
@@ -104,7 +104,9 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     }
 
     void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
-        for (int p = begin; p < end; ++p) gatherGradient(nodes, p);
+        grid.inGeometry([&](auto isRound) {
+            for (int p = begin; p < end; ++p) gatherGradient<isRound>(nodes, p);
+        });
     }
 
     void volumes(int begin, int end) override { Base::volumesFromGradient(begin, end); }
@@ -126,7 +128,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         return sizeof(int) * cell_.size() + sizeof(double) * overRadius_.size() + local_.bytes();
     }
 
-    double overRadius(int p) const override { return grid.isAxisymmetric ? overRadius_[p] : 0; }
+    double overRadius(int p) const final { return grid.isAxisymmetric ? overRadius_[p] : 0; }
 
     EqualBoxes<Dim>* boxes() override { return this; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
@@ -169,6 +171,8 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         AxisWeights<support> axis[Dim];
         for (int k = 0; k < Dim; ++k)
             axis[k] = Kernel::along(local_.plane(k)[p] - middle, half_.plane()[k] / grid.smallestCell()[k]);
+        const double overCells = overRadius(p) * grid.smallestCell()[0];
+        for (int i = 0; i < support; ++i) axis[0].G[i] += overCells * axis[0].R[i];
         forLattice([&](const Index<Dim>& i) {
             int node = firstNodes()[p];
             double weight = 1;
@@ -225,8 +229,6 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     virtual bool isScattered() const { return false; }
     // Whether a type finds its weights where cells differ; along() of a kernel does not.
     virtual bool takesUnequalCells() const { return false; }
-    // Whether its weights know the distance from the axis.
-    virtual bool takesAxialSymmetry() const { return false; }
 
     // With axial symmetry 1/r of each particle where locate() found it, 1/m; a box on the axis has its middle half way
     // from its inner to its outer half at least.
@@ -276,7 +278,8 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         });
     }
 
-    // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j)
+    // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j), and along r
+    // - V sigma_theta phi/r
     void addTension(typename NF::Sum* nodes, int p, const ActingStress& stress) const {
         Mat<Dim> tension;
         for (int i = 0; i < Dim; ++i)
@@ -284,8 +287,10 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
                 tension(i, j) =
                     -particles.volume.plane()[p] *
                     (i == j ? stress.diagonal(i, p) : stress.planes[3 * std::min(i, j) + std::max(i, j)][p]);
-        stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
-            const Vec<Dim> force = tension * gradient;
+        const double hoop = -particles.volume.plane()[p] * stress.diagonal(2, p) * overRadius(p);
+        stencil(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+            Vec<Dim> force = tension * gradient;
+            force[0] += hoop * phi;
             for (int k = 0; k < Dim; ++k) NF::addForce(nodes[node], k, force[k]);
         });
     }
@@ -306,11 +311,14 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         return Planes(particles).move(p, 1, how, [&](int k, int) { return motion[k]; });
     }
 
-    template <class Node> void gatherGradient(const Node* nodes, int p) {
+    template <bool isRound, class Node> void gatherGradient(const Node* nodes, int p) {
         Mat<Dim> L = Mat<Dim>::Zero();
-        stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
+        double radial = 0;
+        stencil(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             for (int i = 0; i < Dim; ++i) L.row(i) += nodes[node][i] * gradient.transpose();
+            radial += phi * nodes[node][0];
         });
+        if constexpr (isRound) particles.hoopRate.plane()[p] = radial * overRadius(p);
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j) particles.velocityGradient.plane(Dim * i + j)[p] = L(i, j);
     }

@@ -22,6 +22,7 @@ struct AveragedHat {
             const double first = c - l - (i - 1), last = c + l - (i - 1); // ends of the box, from node i
             weights.S[i] = (integral(last) - integral(first)) / (2 * l);
             weights.G[i] = (hat(last) - hat(first)) / (2 * l);
+            weights.R[i] = 0.5 * (hat(first) + hat(last)) - weights.S[i]; // l dS/dl
         }
         return weights;
     }

@@ -193,7 +193,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     bool takesUnequalCells() const override { return true; }
-    bool takesAxialSymmetry() const override { return true; }
 
     // Which particles have, beside the middle of their nodes, a cell that is not of the smallest size.
     void findUnequal(int begin, int end) {

@@ -4,7 +4,7 @@
 
 The cone of scripts/cone.py, smooth, goes down in saturated Tresca soil of the strength su and the rigidity
 index Ir = G/su that no water leaves (k = 0). It stops, and the soil gets a permeability. Excess pore pressure
-u1 at the middle of the face and u2 behind the shoulder, over what they are at the stop, against the time
+u1 at the middle of the face and u2 in a filter of half a radius behind the shoulder, over what they are at the stop, against the time
 factor T* = c_h t/(R^2 sqrt(Ir)), c_h = k M/gamma_w, M the oedometer modulus: published by strain paths and
 uncoupled consolidation. The time is model time: k has the value with which u2 is half of its own after
 `half` s by Teh & Houlsby, and T* does not depend on it.
@@ -16,7 +16,7 @@ Units: Mg, m, s, kPa; forces are of the whole circumference, kN.
 """
 
 import time
-from math import ceil, log, pi, sqrt
+from math import ceil, cos, log, pi, sqrt
 
 import cone
 import numpy as np
@@ -29,6 +29,7 @@ from yade_mpm.geotech.reference import DENSITY, STRENGTH
 
 POISSON, GAMMA, RAMP = 0.3, 10.0, 0.02  # of the skeleton; kN/m3, of water; m
 WIDE, FLOWS = 24, 5  # R, of the ground and of what flows
+FILTER = 0.25  # R, height of the middle of u2's filter above the shoulder
 LEFT = np.array([0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2])  # of the excess at the stop
 PUBLISHED = {  # T* of Teh & Houlsby 1991 at which that much is left
     "u1": np.array([0.014, 0.032, 0.063, 0.118, 0.226, 0.463, 1.04]),
@@ -69,24 +70,24 @@ def build(a):
     return scene
 
 
-def heights(scene):
-    """Of the middle of the face and of the shoulder, m."""
-    tip = scene["cone"].vertices[:, 1].min()
-    return tip + (0.5 - BLUNT) * RADIUS / SLOPE, tip + (1 - BLUNT) * RADIUS / SLOPE
-
-
 def columns(cell):
-    """Of a history: excess pore pressure half a cell from the face and above the shoulder, kPa."""
+    """Of a history: excess pore pressure at the middle of the face and of the filter, kPa.
 
-    def u1(scene):
-        y = heights(scene)[0]
-        return piezometer(scene, 0.5 * RADIUS + 0.5 * cell, y) + GAMMA * y
+    Cells that the cone cuts have the pressure of cells beside them, so a line leads to the surface from one
+    and two and a half cells off.
+    """
 
-    def u2(scene):
-        y = heights(scene)[1] + 0.5 * cell
-        return piezometer(scene, RADIUS + 0.5 * cell, y) + GAMMA * y
+    def atSurface(scene, radius, above, normal):
+        place = np.array([radius, scene["cone"].vertices[:, 1].min() + above])
+        ways = [place + cells * cell * np.array(normal) for cells in (1.0, 2.5)]
+        near, far = (piezometer(scene, *way) + GAMMA * way[1] for way in ways)
+        return near + (near - far) / 1.5
 
-    return {"u1": u1, "u2": u2}
+    middle, filter = (0.5 - BLUNT) * RADIUS / SLOPE, (1 - BLUNT) * RADIUS / SLOPE + FILTER * RADIUS
+    return {
+        "u1": lambda scene: atSurface(scene, 0.5 * RADIUS, middle, (cos(pi / 6), -0.5)),
+        "u2": lambda scene: atSurface(scene, RADIUS, filter, (1.0, 0.0)),
+    }
 
 
 def excessField(scene):

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace mpm {
@@ -12,6 +13,7 @@ namespace mpm {
 namespace {
 
 constexpr int mostIterations = 5000;
+constexpr double firstOverSecond = 10; // error of the solutions: the second one mends what the first one leaves
 
 } // namespace
 
@@ -47,7 +49,7 @@ std::vector<Parameter> PoreWater::attributes() {
         {"sealed", "", "No water passes the surface of the soil.", &sealed},
         {"bulkModulus", "kPa", "Bulk modulus of water.", &bulkModulus, Range::positive()},
         {"density", "Mg/m3", "Density of water.", &density, Range::positive()},
-        {"tolerance", "kPa", "Error of the pressure that the solution may leave to the next step.",
+        {"tolerance", "kPa", "Largest error of the pressure that a step may leave to the next one.",
          &tolerance, Range::positive()},
         {"iterations", "", "Iterations of the last step.", &iterations},
         {"outflow", "m3/s", "What left the soil in the last step (2D: m2/s).", &outflow},
@@ -181,6 +183,7 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     system.flowAway(state.before, state.away);
     for (int c = 0; c < system.unknowns; ++c)
         state.given[c] = system.cells[c].source - state.away[c] - state.owed[system.cells[c].number];
+    state.allowed = allowedError(state);
     setSteps(scene, state);
     state.velocity.assign(system.nodes.size(), Vec<Dim>::Zero());
     for (const Mover<Dim>& mover : state.movers) {
@@ -194,6 +197,22 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     if (!state.response.nodes.empty()) moveStiff(scene, state);
 }
 
+// A part of what drives the water, the largest difference of head in it and to the water outside; not more than
+// the tolerance.
+template <int Dim> double PoreWater::allowedError(const State<Dim>& state) const {
+    constexpr double part = 5e-4, least = 1e-4; // least: of the tolerance, where the water is at rest
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    const auto take = [&](int c, double excess) {
+        const double head = state.fill[state.numbers[c]].head + excess;
+        lowest = std::min(lowest, head);
+        highest = std::max(highest, head);
+    };
+    for (int c = 0; c < state.system.unknowns; ++c) take(c, state.before[c]);
+    for (const auto& outlet : state.system.outlets)
+        if (outlet.conductance > 0) take(outlet.cell, outlet.source / outlet.conductance);
+    return std::clamp(part * (highest - lowest), least * tolerance, tolerance);
+}
+
 // The change of the pressure with which the balance closes for the velocity that is there. It begins with
 // that of the step before: waves and loads last for several steps, and a third of the iterations or more is saved.
 template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution) {
@@ -205,7 +224,7 @@ template <int Dim> void PoreWater::closeBalance(Scene<Dim>& scene, State<Dim>& s
         state.right[c] = state.given[c] - state.flow[c];
         state.change[c] = last[state.numbers[c]];
     }
-    solve(scene, state, state.change);
+    solve(scene, state, solution == 0 ? firstOverSecond * state.allowed : state.allowed, state.change);
     for (int c = 0; c < system.unknowns; ++c) {
         state.excess[c] += state.change[c];
         last[state.numbers[c]] = state.change[c];
@@ -225,10 +244,11 @@ void PoreWater::findForces(const Scene<Dim>& scene, State<Dim>& state, const std
     parallel(scene.threads, [&](ParallelRegion& region) { state.system.findForces(region, state.acting); });
 }
 
-template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
+template <int Dim>
+void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, double allowed, std::vector<double>& u) {
     int needed = 0;
     parallel(scene.threads, [&](ParallelRegion& region) {
-        const int found = state.matrix.solve(region, state.system, state.right, tolerance, mostIterations, u,
+        const int found = state.matrix.solve(region, state.system, state.right, allowed, mostIterations, u,
                                              state.residual);
         region.once([&] { needed = found; });
     });

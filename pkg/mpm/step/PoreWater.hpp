@@ -67,6 +67,7 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
         std::vector<double> owed;               // of each cell of the grid
         std::array<std::vector<double>, 2> guesses; // of the changes in both solutions, of each cell
         std::vector<InCell<Dim>> inCells;           // of the unknowns
+        double allowed = 0;                         // error of the pressure in the step, kPa
         int field = 0;
     };
     std::tuple<State<2>, State<3>> states_;
@@ -96,7 +97,9 @@ class PoreWater : public EngineOf<PoreWater>, public ActingAhead, public Velocit
     template <int Dim>
     static void findImpulses(const Scene<Dim>& scene, State<Dim>& state, const std::vector<double>& acting);
     template <int Dim> void closeBalance(Scene<Dim>& scene, State<Dim>& state, int solution);
-    template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u);
+    template <int Dim> double allowedError(const State<Dim>& state) const;
+    template <int Dim>
+    void solve(Scene<Dim>& scene, State<Dim>& state, double allowed, std::vector<double>& u);
     template <int Dim> void accelerate(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static void addWork(Scene<Dim>& scene, const Mover<Dim>& mover, int number);
     template <int Dim> void moveStiff(Scene<Dim>& scene, State<Dim>& state);

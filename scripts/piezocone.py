@@ -4,10 +4,10 @@
 
 The cone of scripts/cone.py, smooth, goes down in saturated Tresca soil of the strength su and the rigidity
 index Ir = G/su that no water leaves (k = 0). It stops, and the soil gets a permeability. Excess pore pressure
-u1 at the middle of the face and u2 in a filter of half a radius behind the shoulder, over what they are at the stop, against the time
-factor T* = c_h t/(R^2 sqrt(Ir)), c_h = k M/gamma_w, M the oedometer modulus: published by strain paths and
-uncoupled consolidation. The time is model time: k has the value with which u2 is half of its own after
-`half` s by Teh & Houlsby, and T* does not depend on it.
+u1 at the middle of the face and u2 in the middle of a filter of half a radius behind the shoulder, over what
+they are at the stop, against the time factor T* = c_h t/(R^2 sqrt(Ir)), c_h = k M/gamma_w, M the oedometer
+modulus: published by strain paths and uncoupled consolidation. The time is model time: k has the value with
+which u2 is half of its own after `half` s by Teh & Houlsby, and T* does not depend on it.
 
 Units: Mg, m, s, kPa; forces are of the whole circumference, kN.
 
@@ -83,10 +83,10 @@ def columns(cell):
         near, far = (piezometer(scene, *way) + GAMMA * way[1] for way in ways)
         return near + (near - far) / 1.5
 
-    middle, filter = (0.5 - BLUNT) * RADIUS / SLOPE, (1 - BLUNT) * RADIUS / SLOPE + FILTER * RADIUS
+    face, behind = (0.5 - BLUNT) * RADIUS / SLOPE, (1 - BLUNT) * RADIUS / SLOPE + FILTER * RADIUS
     return {
-        "u1": lambda scene: atSurface(scene, 0.5 * RADIUS, middle, (cos(pi / 6), -0.5)),
-        "u2": lambda scene: atSurface(scene, RADIUS, filter, (1.0, 0.0)),
+        "u1": lambda scene: atSurface(scene, 0.5 * RADIUS, face, (cos(pi / 6), -0.5)),
+        "u2": lambda scene: atSurface(scene, RADIUS, behind, (1.0, 0.0)),
     }
 
 

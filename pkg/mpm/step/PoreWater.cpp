@@ -13,7 +13,7 @@ namespace mpm {
 namespace {
 
 constexpr int mostIterations = 5000;
-constexpr double firstOverSecond = 10; // error of the solutions: the second one mends what the first one leaves
+constexpr double firstOverSecond = 10; // error of the solutions: the second mends what the first leaves
 
 } // namespace
 
@@ -248,8 +248,8 @@ template <int Dim>
 void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, double allowed, std::vector<double>& u) {
     int needed = 0;
     parallel(scene.threads, [&](ParallelRegion& region) {
-        const int found = state.matrix.solve(region, state.system, state.right, allowed, mostIterations, u,
-                                             state.residual);
+        const int found =
+            state.matrix.solve(region, state.system, state.right, allowed, mostIterations, u, state.residual);
         region.once([&] { needed = found; });
     });
     if (needed < 0)

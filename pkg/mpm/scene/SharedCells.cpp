@@ -64,9 +64,6 @@ template <int Dim> bool isDrivenWhole(const Scene<Dim>& scene, const Body<Dim>& 
     return false;
 }
 
-// Part of the solids in a cell that a wall parts, for each side.
-constexpr double halfOfSolids = 0.5;
-
 // Of the soil that has most of a cell.
 template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
     std::vector<double> covers(scene.groupOf.size(), 0.0);
@@ -282,7 +279,8 @@ template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int numb
     givers_.push_back(std::move(giver));
 }
 
-// The domains of a solid count in a cell by the parts of them that lie in it.
+// The domains of a solid count in a cell by the parts of them that lie in it; where a wall parts the cell, for a side by
+// the part of the wall there: half of the whole wall for each would bend it by what stretches the face of the other side.
 template <int Dim> void SharedCells<Dim>::findGrowths(const Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
         if (isSolid_[body->velocityField] && body->particles.size() > 0) addGrowth(scene, *body);
@@ -295,11 +293,13 @@ template <int Dim> void SharedCells<Dim>::addGrowth(const Scene<Dim>& scene, Bod
     std::vector<int> cells(chunkSize * corners<Dim>);
     CellPoints<Dim> points;
     points.start(body.particles, body.domains->mesh());
+    std::vector<double> part; // of the solids, for each giver
+    for (const Giver& giver : givers_)
+        part.push_back(giver.field < 0 ? 1 : sides_.solids(grid, giver.field, sides_.inGrid(giver.cell)));
     const auto forGivers = [&](int cell, auto&& f) { // f(giver, part of the solids)
         sides_.forNumbers(cell, [&](int number) {
             if (giverAt_[number] < 0) return;
-            Giver& giver = givers_[giverAt_[number]];
-            f(giver, giver.field < 0 ? 1.0 : halfOfSolids);
+            f(givers_[giverAt_[number]], part[giverAt_[number]]);
         });
     };
     for (int begin = 0; begin < n; begin += chunkSize) {
@@ -312,13 +312,13 @@ template <int Dim> void SharedCells<Dim>::addGrowth(const Scene<Dim>& scene, Bod
             for (const int* cell = first; cell < last; ++cell)
                 forGivers(*cell, [&](Giver&, double) { isAny = true; });
             if (!isAny) continue;
-            const double part = body.particles.volume.plane()[p] / points.per(p);
+            const double volume = body.particles.volume.plane()[p] / points.per(p);
             for (const int* cell = first; cell < last; ++cell)
-                forGivers(*cell, [&](Giver& giver, double its) { giver.ofSolids += its * part; });
+                forGivers(*cell, [&](Giver& giver, double its) { giver.ofSolids += its * volume; });
             body.domains->mesh()->strains(
                 p,
                 [&](int node, double, const Vec<Dim>& gradient, double hoop, const double*) {
-                    const Vec<Dim> slope = part * (gradient + hoop * Vec<Dim>::Unit(0));
+                    const Vec<Dim> slope = volume * (gradient + hoop * Vec<Dim>::Unit(0));
                     for (const int* cell = first; cell < last; ++cell)
                         forGivers(*cell, [&](Giver& giver, double its) {
                             giver.grow(body.velocityField, node, its * slope);

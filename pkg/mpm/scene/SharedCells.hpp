@@ -15,8 +15,8 @@
 // beyond the wall is a part of the wall: with v_w the velocity of the solids and the part c of the cell on that side of
 // the middle of the wall, its corners move by
 //     u_i = l_i (v_i - v_w) + c v_w,   l_i = V_i / sum_g V_ig,
-// on nodes where the soil is two, by c u_i where it is one, and half of the solids count. Both sides add up to the flux of
-// all; soil of one side feels the pressure of that side, and the wall the difference.
+// on nodes where the soil is two, by c u_i where it is one, and the solids before that middle count. Both sides add up to
+// the flux of all; soil of one side feels the pressure of that side, and the wall the difference.
 #pragma once
 
 #include "mpm/scene/Body.hpp"

@@ -123,6 +123,13 @@ template <int Dim> double SidesOfCells<Dim>::part(const Grid<Dim>& grid, int fie
     return std::clamp(0.5 + depth(grid, field, middle).before, 0.0, 1.0);
 }
 
+template <int Dim> double SidesOfCells<Dim>::solids(const Grid<Dim>& grid, int field, int cell) const {
+    const double before = part(grid, field, cell);
+    const double half = depth(grid, field, grid.nodePosition(cell) + 0.5 * grid.edges(cell)).half;
+    const double own = std::min(before, half), other = std::min(1 - before, half);
+    return own / (own + other);
+}
+
 template <int Dim> double SidesOfCells<Dim>::open(const Grid<Dim>& grid, int field, int cell) const {
     const Vec<Dim> middle = grid.nodePosition(cell) + 0.5 * grid.edges(cell);
     const Depth its = depth(grid, field, middle);

@@ -46,6 +46,8 @@ template <int Dim> class SidesOfCells {
 
     // The part of a cell that lies on the side of a field, up to the middle of the wall.
     double part(const Grid<Dim>& grid, int field, int cell) const;
+    // The part of the wall in a cell that lies on the side of a field, up to its middle.
+    double solids(const Grid<Dim>& grid, int field, int cell) const;
     // The part that lies before the near face of the wall, by the hat functions of the corners: smooth as the wall moves.
     double open(const Grid<Dim>& grid, int field, int cell) const;
     // The part of the integral of a node's hat function that lies beyond the far face of the wall.

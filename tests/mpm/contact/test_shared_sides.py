@@ -67,3 +67,18 @@ def test_a_plate_that_moves_gives_one_side_what_it_takes_from_the_other():
     mean = [np.average(pressure[side], weights=volume[side]) for side in (isLeft, ~isLeft)]
     assert mean[0] == pytest.approx(PRESSURE[0] - bulk * way / 1.05, abs=0.02 * bulk * way)
     assert mean[1] == pytest.approx(PRESSURE[1] + bulk * way / 0.75, abs=0.02 * bulk * way)
+
+
+@pytest.mark.parametrize("x, cells", [(1.1, 1), (1.05, 1.5), (1.1, 1.5)])
+def test_a_pressure_on_one_side_does_not_bend_the_plate(x, cells):
+    """Of the forces on a row of nodes the vertical ones have no moment about the middle of the plate. With half
+    of its solids for each side in all cells they have 0.5, 1.1 and 0.8 kN m at both ends."""
+    scene, soil, contact, drive = divided(x, H / 4, thickness=cells * H)
+    scene.run(steps=2, progress=False)
+    assert scene._core.partedWalls
+    table = contact.contactTable()
+    (at, height, _), (along, up, _) = table["node"].T, table["force"].T
+    middle = x + cells * H / 2
+    for row in np.unique(height.round(6)):
+        assert (up * (at - middle))[np.isclose(height, row)].sum() == pytest.approx(0, abs=1e-6)
+    assert along.sum() == pytest.approx((PRESSURE[0] - PRESSURE[1]) * HEIGHT, rel=1e-6)

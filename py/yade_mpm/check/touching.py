@@ -8,6 +8,7 @@ import numpy as np
 from ..engine.poreWater import waterOf
 from ..geometry.mesh import Mesh, boundaryFacets
 from ..geometry.numbers import placeText
+from ..material.materials import isBeam
 
 THIN = 2  # cells; in a wall as thick as that no node feels the soil on both sides of it
 PARTED = 0.5  # cells; a wall that parts soil moves it as far as itself from this thickness on
@@ -69,7 +70,7 @@ def _thinWall(scene, body, soils):
             yield (
                 f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than half a cell of "
                 f"{size:.3g} m, with '{group}' on both sides: if the wall moves sideways, the soil moves "
-                f"less, by a fifth at a quarter of a cell; give cells of {thin / PARTED:.3g} m at most"
+                f"less, by a fifth at a quarter of a cell; give {_thicker(body, thin, PARTED * size, size)}"
             )
             return
         yield (
@@ -77,15 +78,23 @@ def _thinWall(scene, body, soils):
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
             "only half as far, and resists up to a quarter too little; if the wall stands between grid "
             "lines, only a third to a half of its friction acts; dry soil of boxes alone is parted by a "
-            "straight wall of half a cell or more, without rigid bodies and USF; else give cells of "
-            f"{thin / THIN:.3g} m at most"
+            "straight wall of half a cell or more, without rigid bodies and USF; else give "
+            f"{_thicker(body, thin, THIN * size, size)}"
         )
         if thin < (1 - ROUNDOFF) * size and waterOf(scene):
             yield (
                 f"PoreWater: '{body.name}' is {thin:.3g} m thick at {place}, less than a cell of {size:.3g} "
-                f"m: water flows through it; give cells of {thin:.3g} m at most"
+                f"m: water flows through it; give {_thicker(body, thin, size, size)}"
             )
         return
+
+
+def _thicker(body, thin, enough, cell):
+    """What to give for a wall to be thick enough: the faces of a Beam may lie anywhere, and those of a line
+    are always a cell apart."""
+    if isBeam(body.material):
+        return f"its Beam thickness={enough:.3g}, which does not change how it bends"
+    return f"cells of {thin / enough * cell:.3g} m at most"
 
 
 def _walls(scene, body):

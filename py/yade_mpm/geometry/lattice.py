@@ -108,7 +108,7 @@ def _cellsRound(region, lower, upper, spacing, name):
     """Numbers (N, dim) int of all lattice cells within the bounds of a region."""
     _requireInside(region, lower, upper, spacing, name)
     for axis, coordinate in region.edges():
-        _requireMultiple(axis, coordinate, lower[axis], spacing[axis], name)
+        _requireMultiple(region, axis, coordinate, lower[axis], spacing[axis], name)
     start, end = region.bounds()
     first = np.floor((start - lower) / spacing + _EDGE_TOLERANCE)
     last = np.ceil((end - lower) / spacing - _EDGE_TOLERANCE)
@@ -259,13 +259,15 @@ def _requireInside(region, lower, upper, spacing, name):
         )
 
 
-def _requireMultiple(axis, coordinate, anchor, spacing, name):
+def _requireMultiple(region, axis, coordinate, anchor, spacing, name):
     steps = (coordinate - anchor) / spacing
     if abs(steps - round(steps)) <= _EDGE_TOLERANCE:
         return
     below, above = (f"{anchor + k * spacing:.9g}" for k in (np.floor(steps), np.ceil(steps)))
+    origin = region.originOf(axis, coordinate)
     raise ValueError(
-        f"body '{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
+        f"body '{name}': edge {'xyz'[axis]} = {coordinate:.9g}{origin and f', {origin},'} is not "
+        f"a multiple of the spacing "
         f"{spacing:.9g} from the grid corner {anchor:.9g}; move it to {below} or {above}, "
         "or change the spacing"
     )

@@ -43,6 +43,7 @@ class Region:
     """
 
     toChange = ""  # what else an error about its size tells to do
+    origin = ""  # what its edges are, where an error names them: "a face of ..."
 
     def __init__(self, dim: int) -> None:
         self.dim = dim
@@ -101,6 +102,10 @@ class Region:
         out, both sides of each plane are probed at 16 places between any two corners of operands.
         """
         return []
+
+    def originOf(self, axis, coordinate):
+        """What an edge of it is, "" where nobody has said."""
+        return self.origin if (axis, coordinate) in self.edges() else ""
 
     def spec(self):
         """Description of the region as a dict that JSON can hold; `regionFromSpec` reads it back. None for a
@@ -179,6 +184,9 @@ class Composed(Region):
             for k, edge in enumerate(candidates)
             if not self._repeats(edge, candidates[:k]) and self._isBoundary(*edge)
         ]
+
+    def originOf(self, axis, coordinate):
+        return self._a.originOf(axis, coordinate) or self._b.originOf(axis, coordinate)
 
     def spec(self):
         a, b = self._a.spec(), self._b.spec()

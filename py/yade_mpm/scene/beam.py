@@ -154,9 +154,12 @@ class Beam:
     def _drawn(self, points):
         """The region of a polygon, in 3D along the width."""
         if self.width is None:
-            return polygon(points)
-        ends = self.line[0, self._axis] + np.array([0, self.width[self._axis]])
-        return prism(points, *np.sort(ends), "xyz"[self._axis])
+            region = polygon(points)
+        else:
+            ends = self.line[0, self._axis] + np.array([0, self.width[self._axis]])
+            region = prism(points, *np.sort(ends), "xyz"[self._axis])
+        region.origin = f"a face or an end of {self!r}"
+        return region
 
     def _parts(self, scene, name):
         """Mesh, material and particle type of its body."""

@@ -84,3 +84,19 @@ def test_boxes_on_boxes_are_warned_of_once():
     (text,) = told(MESH, back="fill", thickness=1.0)
     assert text.startswith("Contact: 'soil' and 'fill' are boxes")
     assert told(BOXES, slip=False, separation=False) == []  # one body
+
+
+@pytest.mark.parametrize("thickness, beside, enough", [(0, True, 2), (0.25, False, 0.5)])
+def test_a_thin_beam_is_to_be_given_a_thickness(thickness, beside, enough):
+    """Its faces may lie anywhere, and those of a line are a cell apart in cells of any size."""
+    scene = mpm.Scene((0, 0), (8, 5), 1.0, gravity=9.81, threads=1)
+    elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
+    x = 4 + (thickness or 1) / 2
+    sheet = mpm.Beam([(x, 1), (x, 4)], EI=1e4, EA=1e6, weight=0.5, thickness=thickness)
+    wall = scene.add("wall", sheet)
+    soil = scene.add("soil", box((0, 0), (8, 4)) - sheet.region, elastic, mpm.UGIMP(perCell=4))
+    if beside:
+        scene.add("mesh", box((7, 4), (8, 5)), elastic, MESH, group=soil.group)
+    scene.contact(wall, soil)
+    (text,) = warningsOf(lambda: scene.run(steps=1, progress=False), "Contact: 'wall'")
+    assert text.endswith(f"give its Beam thickness={enough}, which does not change how it bends")

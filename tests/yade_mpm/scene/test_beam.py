@@ -213,6 +213,17 @@ def test_what_is_refused(named, make, kind):
     refused(named, make, kind)
 
 
+def test_an_edge_of_the_ground_off_its_boxes_is_named_as_a_face_of_the_beam():
+    scene = mpm.Scene((0, 0), (4, 4), 0.25)
+    sheet = mpm.Beam([(2.07, 1), (2.07, 3)], **SECTION)
+    scene.add("wall", sheet)
+    text = r"edge x = 1\.82, a face or an end of <Beam from \(2\.07, 1\) .*>, is not a multiple"
+    with pytest.raises(ValueError, match=text):
+        scene.add(
+            "soil", box((0, 0), (4, 4)) - sheet.region, mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
+        )
+
+
 def test_a_line_without_thickness_takes_a_cell_of_its_scene():
     sheet = beam(thickness=0)
     with pytest.raises(

@@ -71,8 +71,8 @@ def test_a_plate_that_moves_gives_one_side_what_it_takes_from_the_other():
 
 @pytest.mark.parametrize("x, cells", [(1.1, 1), (1.05, 1.5), (1.1, 1.5)])
 def test_a_pressure_on_one_side_does_not_bend_the_plate(x, cells):
-    """Of the forces on a row of nodes the vertical ones have no moment about the middle of the plate. With half
-    of its solids for each side in all cells they have 0.5, 1.1 and 0.8 kN m at both ends."""
+    """Of the forces on a row of nodes the vertical ones have no moment about the middle of the plate. With
+    half of its solids for each side in all cells they have 0.5, 1.1 and 0.8 kN m at both ends."""
     scene, soil, contact, drive = divided(x, H / 4, thickness=cells * H)
     scene.run(steps=2, progress=False)
     assert scene._core.partedWalls

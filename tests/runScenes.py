@@ -33,6 +33,15 @@ def smallScene(*engines, velocity=(0.0, 0.0)):
     return scene
 
 
+def throughRun(scene, steps):
+    scene.run(steps=steps, progress=False)
+
+
+def oneByOne(scene, steps):
+    for _ in range(steps):
+        scene.step()
+
+
 def process(script, **options):
     pipes = dict(text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     return subprocess.Popen([sys.executable, "-c", SCENE + script], **pipes, **options)

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Set-ups that many tests share: from setups import chain"""
 
-from math import radians
+from math import radians, tan
 
 import numpy as np
 import yade_mpm as mpm
 
 
-def chain(*before, contact=None, **solver):
+def chain(*before, contact=None, flip=1.0, **solver):
     """The engines of a step. Loads and rigid contacts come `before` the solver, `contact` behind it."""
     behind = () if contact is None else (contact,)
-    first, last = (mpm.ParticleToGrid(), *before), (mpm.GridToParticle(), mpm.DomainUpdater())
+    first, last = (mpm.ParticleToGrid(), *before), (mpm.GridToParticle(flip=flip), mpm.DomainUpdater())
     return [*first, mpm.GridSolver(**solver), *behind, *last]
 
 
@@ -22,6 +22,27 @@ def elastic(young):
 def soft(density=1.0):
     """A linear elastic material with Lame constants of 1 MPa; `density` in Mg/m3."""
     return mpm.LinearElastic(density=density, lame=(1e3, 1e3))
+
+
+def softSoil(cohesion, **attributes):
+    """Soil with friction of 25 degrees, soft unless `young` and `poisson` are given; `cohesion` in kPa."""
+    moduli = {} if "young" in attributes else dict(lame=(2e3, 1.5e3))
+    given = dict(density=1.5, frictionAngle=radians(25), cohesion=cohesion, **moduli)
+    return mpm.MohrCoulombDruckerPrager(**given | attributes)
+
+
+def afterTurn(scene, slope, rest, until, **every):
+    """Rest until the time `rest` under what a slope (rad) leaves of gravity across it; then its part along x
+    acts, too, without damping. An iterator over the times between runs of `every`, e.g. steps=10."""
+    scene.run(until=rest, progress=False)
+    for body in scene.bodies:
+        body.velocity[...] = 0
+    solver = next(e for e in scene.engines if isinstance(e, mpm.GridSolver))
+    across = solver.gravity
+    solver.gravity, solver.damping = (-across[-1] * tan(slope), *across[1:]), 0
+    while scene.time < until:
+        scene.run(progress=False, **every)
+        yield scene.time
 
 
 # Of Cam-Clay, but for density and preconsolidation.

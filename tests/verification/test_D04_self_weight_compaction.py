@@ -17,6 +17,7 @@ zero, as that of the linear material point method, would fail the bound on the r
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 LENGTH, DENSITY, GRAVITY = 50.0, 0.08, 10.0
 TYPES = {"UGIMP": lambda h: mpm.UGIMP(perCell=2), "APDI": lambda h: mpm.APDI(size=h / 2)}
@@ -28,18 +29,12 @@ def compact(cells, kind, rampTime=20.0, restTime=10.0, damping=0.7):
     scene = mpm.Scene(lower=(0, 0), upper=(h, LENGTH), cell=h)
     material = mpm.LinearElastic(density=DENSITY, young=1000.0, poisson=0.0)
     column = scene.add("column", mpm.box((0, 0), (h, LENGTH)), material, TYPES[kind](h))
-    solver = mpm.GridSolver(roller=("left", "right"), fixed=("bottom",), damping=damping)
+    engines = chain(roller=("left", "right"), fixed=("bottom",), damping=damping)
 
     def load():
-        solver.gravity = (0, -GRAVITY * (min(1.0, scene.time / rampTime) if rampTime else 1.0))
+        engines[1].gravity = (0, -GRAVITY * (min(1.0, scene.time / rampTime) if rampTime else 1.0))
 
-    scene.engines = [
-        mpm.PyRunner(load, iterPeriod=1),
-        mpm.ParticleToGrid(),
-        solver,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = [mpm.PyRunner(load, iterPeriod=1), *engines]
     scene.run(until=rampTime + restTime, progress=False)
     depth = LENGTH - column.reference[:, 1]
     exact, reached = -DENSITY * GRAVITY * depth, column.stress[:, 1, 1]

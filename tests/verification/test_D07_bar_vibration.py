@@ -22,6 +22,7 @@ frequency.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 LENGTH, CELLS, YOUNG, AMPLITUDE = 25.0, 13, 100.0, 0.1
 OMEGA, COM = 0.628319, 0.0636620
@@ -48,13 +49,8 @@ def vibrate(kind, young=YOUNG, flip=1.0, damping=0.0):
         )
 
     note()
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("left", "top", "bottom"), damping=damping),
-        mpm.GridToParticle(flip=flip),
-        mpm.DomainUpdater(),
-        mpm.PyRunner(note, iterPeriod=1),
-    ]
+    held = dict(roller=("left", "top", "bottom"), damping=damping)
+    scene.engines = [*chain(flip=flip, **held), mpm.PyRunner(note, iterPeriod=1)]
     scene.dt = 0.5 * scene.criticalTimeStep()
     scene.run(until=10 * 2 * np.pi / OMEGA, progress=False)
     t, velocity, kinetic, strain = np.array(history).T

@@ -24,6 +24,7 @@ another cone fit, and 1e-5 more cohesion, must be noticed.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import softSoil
 
 COHESION, PHI, PSI = 8.5, np.radians(30), np.radians(10)
 
@@ -33,15 +34,8 @@ def elastic():
 
 
 def soil(cohesion=COHESION, **attributes):
-    return mpm.MohrCoulombDruckerPrager(
-        density=1.53,
-        young=16408.4,
-        poisson=0.3002,
-        cohesion=cohesion,
-        frictionAngle=PHI,
-        dilatancyAngle=PSI,
-        **attributes,
-    )
+    given = dict(density=1.53, young=16408.4, poisson=0.3002, frictionAngle=PHI, dilatancyAngle=PSI)
+    return softSoil(cohesion, **given, **attributes)
 
 
 def strong():

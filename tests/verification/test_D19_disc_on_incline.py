@@ -22,7 +22,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import elastic
+from setups import afterTurn, chain, elastic
 from yade_mpm import box, sphere
 
 R, G = 0.5, 10.0
@@ -73,15 +73,10 @@ def descend(pair, slope, friction, h, cut=True, until=0.5):
     )
     contact = mpm.Contact(friction=friction)
     base = mpm.Hold(box((-1, -1), (6, 0.31 - 2 * h)), velocity=(0, 0), name="base")
-    solver = mpm.GridSolver(gravity=(0, -G * cos(slope)), damping=0.7, hold=base)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.run(until=0.1, progress=False)
-    for body in scene.bodies:
-        body.velocity[...] = 0
-    solver.gravity, solver.damping, rows, deepest = (G * sin(slope), -G * cos(slope)), 0, [], 0.0
-    while scene.time < until:
-        scene.run(steps=20, progress=False)
-        rows.append((scene.time, disc.mass @ disc.velocity[:, 0] / disc.mass.sum()))
+    scene.engines = chain(contact=contact, gravity=(0, -G * cos(slope)), damping=0.7, hold=base)
+    rows, deepest = [], 0.0
+    for time in afterTurn(scene, slope, 0.1, until, steps=20):
+        rows.append((time, disc.mass @ disc.velocity[:, 0] / disc.mass.sum()))
         if pair[1] == "a" or cut:
             deepest = max(deepest, overlap(scene) / h)
     time, speed = np.array(rows).T
@@ -154,19 +149,11 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
         "ball", sphere((0.6, 0.6, 0.3 + radius), radius), rubber, mpm.UGIMP(perCell=2, cut=True), group="ball"
     )
     contact = mpm.Contact(friction=friction)
-    solver = mpm.GridSolver(
-        gravity=(0, 0, -G * cos(slope)),
-        damping=0.7,
-        hold=mpm.Hold(box((-1, -1, -1), (9, 9, 0.11)), velocity=(0, 0, 0)),
-    )
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.run(until=0.05, progress=False)
-    for body in scene.bodies:
-        body.velocity[...] = 0
-    solver.gravity, solver.damping, rows, deepest = (G * sin(slope), 0, -G * cos(slope)), 0, [], 0.0
-    while scene.time < 0.2:
-        scene.run(steps=10, progress=False)
-        rows.append((scene.time, ball.mass @ ball.velocity[:, 0] / ball.mass.sum()))
+    below = mpm.Hold(box((-1, -1, -1), (9, 9, 0.11)), velocity=(0, 0, 0))
+    scene.engines = chain(contact=contact, gravity=(0, 0, -G * cos(slope)), damping=0.7, hold=below)
+    rows, deepest = [], 0.0
+    for time in afterTurn(scene, slope, 0.05, 0.2, steps=10):
+        rows.append((time, ball.mass @ ball.velocity[:, 0] / ball.mass.sum()))
         deepest = max(deepest, contact.largestPenetration / h)
     time, speed = np.array(rows).T
     exact = (

@@ -17,6 +17,7 @@ Control: 1 % PIC per step breaks the bound of MUSL, and the bound of MUSL and US
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 LENGTH, CELLS, YOUNG, AMPLITUDE = 25.0, 6, 100.0, 0.1
 TYPES = {"UGIMP": lambda h: mpm.UGIMP(perCell=2), "APDI": lambda h: mpm.APDI(size=h / 2)}
@@ -39,13 +40,7 @@ def energyOfFreeBar(kind, scheme, flip=1.0):
         history.append((0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum(), bar._core.internalWork))
 
     note()
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("top", "bottom")),
-        mpm.GridToParticle(flip=flip),
-        mpm.DomainUpdater(),
-        mpm.PyRunner(note, iterPeriod=1),
-    ]
+    scene.engines = [*chain(flip=flip, roller=("top", "bottom")), mpm.PyRunner(note, iterPeriod=1)]
     scene.dt = 0.5 * scene.criticalTimeStep()
     scene.run(until=20 * 2 * LENGTH / np.sqrt(YOUNG), progress=False)
     kinetic, strain = np.array(history).T

@@ -12,6 +12,7 @@ Tolerance: exact; and for edge h the stress of a loaded column within 0.7 % of t
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import refused
 from setups import chain
 from yade_mpm import box
 
@@ -40,10 +41,8 @@ def hybrid(edge, axis=0, gap=0.0, coarseElsewhere=None):
 @AXES
 def test_an_edge_of_two_cells_at_the_interface_is_refused(axis):
     place = r"\(2.5, 0.5\)" if axis == 0 else r"\(0.5, 2.5\)"
-    with pytest.raises(
-        ValueError, match=rf"'meshed' and 'boxes' near {place}: an edge of 1 m is longer than the cell 0.5 m"
-    ):
-        hybrid(2 * H, axis).run(steps=1, progress=False)
+    told = f"'meshed' and 'boxes' near {place}: an edge of 1 m is longer than the cell 0.5 m"
+    refused(told, lambda: hybrid(2 * H, axis).run(steps=1, progress=False))
 
 
 def test_an_edge_that_is_long_in_one_direction_only_is_refused_too():
@@ -103,12 +102,10 @@ def test_the_rule_stays_checked_while_the_interface_moves():
     scene["boxes"].velocity[:, 0] = 0.2
     scene.dt = 1e-3
     scene.run(steps=2400, progress=False)
-    with pytest.raises(
-        RuntimeError,
-        match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; "
-        "refine 'meshed'",
-    ):
-        scene.run(steps=1000, progress=False)
+    told = (
+        "step 3000: interface of 'meshed' and 'boxes' near ... an edge of 1 ... longer ... ; refine 'meshed'"
+    )
+    refused(told, lambda: scene.run(steps=1000, progress=False), RuntimeError)
 
 
 def stretched(by):

@@ -36,12 +36,7 @@ def block(type_, shift, scheme, damping=0.0, flip=1.0):
     """A free block of 2 x 2 cells, off the grid lines by `shift` m."""
     scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1, scheme=scheme)
     body = scene.add("block", box((0.5, 0.5), (1, 1)), mpm.LinearElastic(**d25.SOIL), type_)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=damping),
-        mpm.GridToParticle(flip=flip),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(flip=flip, damping=damping)
     body.position += shift
     if body.cells is not None:
         vertices = body.vertices

@@ -5,7 +5,7 @@ pressure stay, whatever flows inside (doc/explanation/volumes.md)."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, softSoil
 from yade_mpm import box
 
 SIZE, PRESSURE = 4.0, 200.0  # m, kPa
@@ -22,14 +22,8 @@ def stirred(cell, fbar=True, scheme="MUSL", dt=None, dim=2, height=None, core=No
     size = [SIZE, SIZE, height or cell][:dim]
     scene = mpm.Scene((0,) * dim, size, cell)
     scene.scheme = scheme
-    clay = mpm.MohrCoulombDruckerPrager(
-        density=1.5,
-        young=2 * SHEAR * (1 + POISSON),
-        poisson=POISSON,
-        cohesion=STRENGTH,
-        frictionAngle=0,
-        dilatancyAngle=0,
-    )
+    stiffness = dict(young=2 * SHEAR * (1 + POISSON), poisson=POISSON)
+    clay = softSoil(cohesion=STRENGTH, frictionAngle=0, dilatancyAngle=0, **stiffness)
     whole = box((0,) * dim, size)
     low, high = ([SIZE / 2 + sign * (core or 0)] * 2 for sign in (-1, 1))
     inside = box(low + [0] * (dim - 2), high + size[2:]) if core else whole

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from asModules import TESTS, moduleOf, script
-from setups import chain, elastic
+from setups import afterTurn, chain, elastic
 from yade_mpm import box, geotech
 
 
@@ -137,16 +137,10 @@ def test_a_block_slides_as_coulomb_says_from_small_cells_into_large_ones(alongOn
     mesh = geotech.quadrilaterals(*np.meshgrid(np.linspace(0.3, 0.8, 11), np.linspace(0.4, 0.9, 11)))
     block = scene.add("block", mesh, rubber, mpm.APDI(), group="block")
     base = mpm.Hold(box((-1, -1), (7, 0.21)), velocity=(0, 0), name="base")
-    solver = mpm.GridSolver(gravity=(0, -g * cos(slope)), damping=0.7, hold=base)
-    contact = mpm.Contact(friction=friction)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.run(until=0.1, progress=False)
-    for body in scene.bodies:
-        body.velocity[...] = 0
-    solver.gravity, solver.damping, rows = (g * sin(slope), -g * cos(slope)), 0, []
-    while scene.time < 1.0:
-        scene.run(until=scene.time + 0.02, progress=False)
-        rows.append((scene.time, block.velocity[:, 0].mean(), block.position[:, 1].mean()))
+    contact, rows = mpm.Contact(friction=friction), []
+    scene.engines = chain(contact=contact, gravity=(0, -g * cos(slope)), damping=0.7, hold=base)
+    for time in afterTurn(scene, slope, 0.1, 1.0, steps=100):
+        rows.append((time, block.velocity[:, 0].mean(), block.position[:, 1].mean()))
     time, velocity, height = np.array(rows).T
     acceleration = np.polyfit(time, velocity, 1)[0]
     assert block.position[:, 0].mean() > 2.5 and scene.cellSizeAt(block.position)[:, 0].max() > 2.9 * h

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from PIL import Image
-from setups import chain
+from setups import chain, softSoil
 from yade_mpm import box
 
 
@@ -20,9 +20,7 @@ def ran(tmp_path_factory):
     """A scene of both types after a run, its history, and the file of its recorder."""
     file = tmp_path_factory.mktemp("results") / "fall.vtkhdf"
     scene = mpm.Scene((0, 0), (3, 2), 0.25)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
-    )
+    soil = softSoil(cohesion=1.0)
     scene.add("boxes", box((0, 0), (1, 1)), soil, mpm.UGIMP())
     scene.add("mesh", box((1, 0), (1.5, 1)), mpm.NeoHookean(density=1, young=1e3, poisson=0.3), mpm.APDI())
     history = mpm.History(period=0.02)
@@ -96,9 +94,7 @@ def test_a_picture_has_the_values_of_the_field_and_says_what_they_are(ran):
 
 def test_colours_are_scaled_to_the_soil_not_to_a_stiff_body_or_one_particle():
     scene = mpm.Scene((0, 0), (4, 3), 0.25)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
-    )
+    soil = softSoil(cohesion=1.0)
     steel = mpm.LinearElastic(density=7.85, young=2e8, poisson=0.3)
     ground = scene.add("ground", box((0, 0), (4, 1)), soil, mpm.UGIMP(perCell=2))
     pile = scene.add("pile", box((1, 1), (2, 3)), steel, mpm.UGIMP(perCell=2))
@@ -131,9 +127,7 @@ def holes(corners, places):
 def test_domains_are_drawn_as_they_are_deformed(splitAt):
     """Whole neighbours keep their common corners; what was cut leaves no hole in the strained block."""
     scene = mpm.Scene((-4, -4), (8, 8), 0.5)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
-    )
+    soil = softSoil(cohesion=1.0)
     block = scene.add("block", box((0, 0), (1, 1)), soil, mpm.UGIMP(perCell=2, splitAt=splitAt))
     before, strain = block.corners(), np.array([[1.6, 0.8], [0.0, 0.9]])
     block.position[...] = block.position @ strain.T

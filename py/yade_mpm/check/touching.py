@@ -77,8 +77,8 @@ def _thinWall(scene, body, soils):
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two cells of {size:.3g} m, "
             f"with '{group}' on both sides, which shares nodes: if the wall moves sideways, the soil moves "
             "only half as far, and resists up to a quarter too little; if the wall stands between grid "
-            "lines, only a third to a half of its friction acts; dry soil of boxes alone is parted by a "
-            "straight wall of half a cell or more, without rigid bodies and USF; else give "
+            "lines, only a third to a half of its friction acts; dry soil of boxes without outline is parted "
+            "by a straight wall of half a cell or more, without rigid bodies and USF; else give "
             f"{_thicker(body, thin, THIN * size, size)}"
         )
         if thin < (1 - ROUNDOFF) * size and waterOf(scene):

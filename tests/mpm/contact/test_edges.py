@@ -3,18 +3,19 @@
 
 import pytest
 import yade_mpm as mpm
-from setups import chain, restarted
+from setups import chain, restarted, softSoil
 from yade_mpm import box
+
+SAND = mpm.MohrCoulombDruckerPrager(
+    density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5, frictionAngle=0.5236, dilatancyAngle=0.1
+)
 
 
 def pressed(constraints="auto", friction=0.3, velocity=(0, -0.1), implicit=True):
     """Scene, its drive and contact: a pile of two cells in sand, before the first step."""
     scene = mpm.Scene((0, 0), (6, 8), 0.25, threads=1)
-    sand = mpm.MohrCoulombDruckerPrager(
-        density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5, frictionAngle=0.5236, dilatancyAngle=0.1
-    )
     shaft = box((2.75, 3.5), (3.25, 7.0))
-    soil = scene.add("soil", box((0, 0), (6, 5)) - shaft, sand, mpm.UGIMP(perCell=2))
+    soil = scene.add("soil", box((0, 0), (6, 5)) - shaft, SAND, mpm.UGIMP(perCell=2))
     steel = mpm.LinearElastic(density=7.85, lame=(4.2e7, 2.8e7))
     pile = scene.add("pile", shaft, steel, mpm.APDI(size=0.125), implicit=implicit, group="pile")
     scene.initialStress(surface=5, K0=0.43, bodies=[soil])
@@ -74,11 +75,8 @@ def test_two_piles_that_touch_make_no_energy_out_of_soil():
     """One is pressed, the other drawn, at impactLoss = 0. (While the starts of surfaces that part need not
     agree at nodes of three groups, soil at the joint went up at 8 m/s.)"""
     scene = mpm.Scene((0, 0), (6, 8), 0.25, threads=1)
-    sand = mpm.MohrCoulombDruckerPrager(
-        density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5, frictionAngle=0.5236, dilatancyAngle=0.1
-    )
     left, right = box((2.5, 3.5), (3, 7)), box((3, 3.5), (3.5, 7))
-    soil = scene.add("soil", box((0, 0), (6, 5)) - left - right, sand, mpm.UGIMP(perCell=2))
+    soil = scene.add("soil", box((0, 0), (6, 5)) - left - right, SAND, mpm.UGIMP(perCell=2))
     steel = mpm.LinearElastic(density=7.85, lame=(4.2e4, 2.8e4))
     drives = []
     for name, shaft, speed in (("a", left, -0.1), ("b", right, 0.05)):
@@ -98,20 +96,18 @@ def test_boxes_beside_an_edge_are_no_overlap():
     """A pile sinks by a tenth of a cell: the boxes beside its tip are behind the plane of its base then."""
     scene = mpm.Scene((0, 0), (4, 6), 0.25, threads=1)
     shaft = box((1.75, 2), (2.25, 5))
-    sand = mpm.MohrCoulombDruckerPrager(
-        density=1.8, young=1e4, poisson=0.3, cohesion=5, frictionAngle=0.5, dilatancyAngle=0
-    )
-    soil = scene.add("soil", box((0, 0), (4, 3)) - shaft, sand, mpm.UGIMP())
+    sand = softSoil(cohesion=5, density=1.8, young=1e4, poisson=0.3, frictionAngle=0.5, dilatancyAngle=0)
+    ground = scene.add("soil", box((0, 0), (4, 3)) - shaft, sand, mpm.UGIMP())
     steel = mpm.LinearElastic(density=7.8, young=1e6, poisson=0.3)
     pile = scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
     contact = mpm.Contact(friction=0.3, impactLoss=1)
-    scene.initialStress(surface=3, K0=0.5, bodies=[soil])
+    scene.initialStress(surface=3, K0=0.5, bodies=[ground])
     scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
     scene.engines.insert(2, contact)
     scene.run(until=0.1, progress=False)
     base = pile.vertices[:, 1].min()
-    under = (abs(soil.position[:, 0] - 2) < 0.25) & (soil.position[:, 1] < 2.05)
-    overlap = (soil.position[:, 1] + soil.halfSize[1])[under].max() - base
+    under = (abs(ground.position[:, 0] - 2) < 0.25) & (ground.position[:, 1] < 2.05)
+    overlap = (ground.position[:, 1] + ground.halfSize[1])[under].max() - base
     assert base < 1.98 and 0 < overlap < 0.002
     assert contact.largestPenetration == pytest.approx(overlap, abs=0.002)
     assert -contact.contactTable()["gap"].min() > 0.05  # control: boxes beside the tip

@@ -19,7 +19,7 @@ Controls: without the limit the volume goes on growing; a limit that is 1e-9 hig
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain, restarted
+from setups import chain, restarted, softSoil
 
 C, PHI, PSI = 8.5, np.radians(30), np.radians(10)
 LAMBDA, MU = 9.48e3, 6.31e3
@@ -30,14 +30,8 @@ I = np.eye(3)
 
 
 def soil(cohesion=C, **attributes):
-    return mpm.MohrCoulombDruckerPrager(
-        density=1.53,
-        lame=(LAMBDA, MU),
-        cohesion=cohesion,
-        frictionAngle=PHI,
-        dilatancyAngle=PSI,
-        **attributes,
-    )
+    given = dict(density=1.53, lame=(LAMBDA, MU), frictionAngle=PHI, dilatancyAngle=PSI)
+    return softSoil(cohesion, **given, **attributes)
 
 
 def plasticVolume(point):

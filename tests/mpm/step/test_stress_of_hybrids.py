@@ -6,7 +6,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, softSoil
 from yade_mpm import box
 
 CELL = 0.2
@@ -37,14 +37,8 @@ def test_a_footing_keeps_its_load_where_the_mesh_beside_boxes_flows():
     the half width. With stress that leaks from domain to domain the load fell to 0.83 of its largest."""
     half, width, depth = 6.5 * CELL, 14.4, 5.6
     scene = mpm.Scene((0, 0), (width, depth + 3 * CELL), CELL, threads=1)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.53,
-        young=16400.0,
-        poisson=0.3,
-        cohesion=8.5,
-        frictionAngle=radians(30),
-        dilatancyAngle=radians(30),
-    )
+    angles = dict(frictionAngle=radians(30), dilatancyAngle=radians(30))
+    soil = softSoil(cohesion=8.5, density=1.53, young=16400.0, poisson=0.3, **angles)
     zone = box((0, depth - 5 * CELL), (10 * CELL, depth))
     steel = mpm.LinearElastic(density=2.0, young=1e6, poisson=0.2)
     near = scene.add("near", zone, soil, mpm.UGIMP(perCell=2))

@@ -43,7 +43,7 @@ def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
     assert "if the wall moves sideways, the soil moves only half as far, and resists up to a quarter" in text
     assert "less than two cells of 0.5 m, with 'soil' on both sides" in text
     assert text.endswith("give cells of 0.25 m at most")
-    assert "dry soil of boxes alone is parted by a straight wall of half a cell or more" in text
+    assert "dry soil of boxes without outline is parted by a straight wall of half a cell or more" in text
     assert told(MESH, dim=dim, beside=False) == []  # the wall parts it
     assert told(MESH, dim=dim, asOne=False) == []
     assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells

@@ -5,29 +5,10 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.geometry.lattice import latticePoints
-from yade_mpm.geometry.mesh import boundaryFacets
 from yade_mpm.geometry.meshChecks import checkMesh
-from yade_mpm.geometry.meshing import meshRegion, refineNear
-from yade_mpm.geometry.regions import box
 
-SHAFT = box((14.875, 11), (15.125, 21))
-ZONE = box((14, 5.5), (16, 12)) - SHAFT
-GROUND = box((0, 0), (30, 12)) - ZONE - SHAFT
 CORNERS = {2: np.array([(0, 0), (1, 0), (1, 1), (0, 1)])}
 CORNERS[3] = np.array([(*xy, z) for z in (0, 1) for xy in CORNERS[2]])
-
-
-def defaultMesh():
-    near = latticePoints(ZONE, (0, 0), (30, 24), 0.125, "near soil")
-    coarse = meshRegion(GROUND, (0, 0), (30, 24), 0.25, "far soil")
-    return coarse, refineNear(coarse, near, 0.0625, distance=0.25, ratio=2)
-
-
-def test_default_scene_surface_has_no_facet_between_coarse_and_fine():
-    coarse, fine = defaultMesh()
-    ring = 2 * 26 + 8 + 2  # coarse facets of the ring on the zone and on the ground surface
-    assert len(boundaryFacets(fine)[0]) == len(boundaryFacets(coarse)[0]) + ring
 
 
 # --- what the solver could not take -------------------------------------------------------------------------

@@ -9,28 +9,19 @@ import pytest
 import yade_mpm as mpm
 from byHand import bitsOf, opened
 from processes import runPython
-from setups import chain, restarted
+from setups import chain, restarted, softSoil
 from yade_mpm import box, diagnostics
 
 PERIOD = 20  # steps between estimates of the time step; the runs below cross several
-
-
-def soil():
-    return mpm.MohrCoulombDruckerPrager(
-        density=1.5,
-        young=1e4,
-        poisson=0.3,
-        cohesion=5.0,
-        frictionAngle=radians(30),
-        dilatancyAngle=radians(5),
-    )
+SOIL = dict(cohesion=5.0, young=1e4, poisson=0.3, frictionAngle=radians(30), dilatancyAngle=radians(5))
+NUDGE = dict(command="scene.bodies[0].velocity[0, 0] += 1e-6", iterPeriod=7)
 
 
 def hybrid(scheme="MUSL", threads=None):
     """uGIMP soil beside a matched APDI ring, an elastic pile driven into it, a block that falls through the
     grid."""
     scene = mpm.Scene((0, 0), (4, 6), 0.25, scheme=scheme, threads=threads)
-    near = scene.add("near", box((1.25, 0.5), (2.75, 2)), soil(), mpm.UGIMP(perCell=2))
+    near = scene.add("near", box((1.25, 0.5), (2.75, 2)), softSoil(**SOIL), mpm.UGIMP(perCell=2))
     ring = scene.add(
         "ring",
         box((0, 0), (4, 2)) - box((1.25, 0.5), (2.75, 2)),
@@ -51,42 +42,25 @@ def hybrid(scheme="MUSL", threads=None):
     block.velocity = (0.0, -12.0)
     near.bodyForce = (0.5, 0.0)
     drive = mpm.Drive(pile.above(2.6), velocity=(0, -2.0), ramp=0.02)
-    solver = mpm.GridSolver(
-        gravity=(0, -9.81),
-        damping=0.1,
-        roller=("left", "right"),
-        fixed="bottom",
-        drive=drive,
-        hold=mpm.Hold(box((0, 0), (0.5, 0.3)), (None, 0), name="foot"),
-    )
-    scene.engines = inOrder(
-        scheme, solver, mpm.BoundaryLoad(ring, box((0, 1.9), (1, 2.1)), pressure=3.0, ramp=0.1)
-    )
-    return scene
-
-
-def inOrder(scheme, solver, *loads):
-    update, take = mpm.DomainUpdater(), mpm.GridToParticle()
-    return [
-        mpm.ParticleToGrid(),
-        *([update, *loads, solver, take] if scheme == "USF" else [*loads, solver, take, update]),
-        mpm.PyRunner("scene.bodies[0].velocity[0, 0] += 1e-6", iterPeriod=7),
+    load = mpm.BoundaryLoad(ring, box((0, 1.9), (1, 2.1)), pressure=3.0, ramp=0.1)
+    foot = mpm.Hold(box((0, 0), (0.5, 0.3)), (None, 0), name="foot")
+    walls = dict(roller=("left", "right"), fixed="bottom")
+    scene.engines = [
+        *chain(load, gravity=(0, -9.81), damping=0.1, drive=drive, hold=foot, **walls),
+        mpm.PyRunner(**NUDGE),
     ]
+    return scene
 
 
 def solid(scheme="MUSL", threads=None):
     """The same in 3D, smaller."""
     scene = mpm.Scene((0, 0, 0), (2, 2, 4), 0.5, scheme=scheme, threads=threads)
-    floor = scene.add("floor", box((0, 0, 0), (2, 2, 0.5)), soil(), mpm.APDI(size=0.5))
-    block = scene.add("block", box((0.5, 0.5, 2.5), (1.5, 1.5, 3.5)), soil(), mpm.UGIMP(perCell=2))
+    floor = scene.add("floor", box((0, 0, 0), (2, 2, 0.5)), softSoil(**SOIL), mpm.APDI(size=0.5))
+    block = scene.add("block", box((0.5, 0.5, 2.5), (1.5, 1.5, 3.5)), softSoil(**SOIL), mpm.UGIMP(perCell=2))
     floor.velocity, block.velocity = (0.0, 0.0, -1.5), (1.0, 0.5, -9.0)
-    solver = mpm.GridSolver(
-        gravity=(0, 0, -9.81),
-        roller=("left", "right", "front", "back"),
-        fixed="bottom",
-        drive=mpm.Drive(block.all(), velocity=(1.0, None, -9.0)),
-    )
-    scene.engines = inOrder(scheme, solver)
+    drive = mpm.Drive(block.all(), velocity=(1.0, None, -9.0))
+    walls = dict(roller=("left", "right", "front", "back"), fixed="bottom")
+    scene.engines = [*chain(gravity=(0, 0, -9.81), drive=drive, **walls), mpm.PyRunner(**NUDGE)]
     return scene
 
 
@@ -182,14 +156,10 @@ def test_restart_before_and_after_a_conversion_continues_bitwise(tmp_path):
 def test_a_checkpoint_at_an_estimate_of_the_time_step_continues_bitwise(tmp_path):
     """Saved by a callback in the last step before the estimate, and by the user after the run."""
     scene = hybrid()
-    scene.engines = [
-        *scene.engines,
-        mpm.PyRunner(
-            lambda s: s.save(tmp_path / "at.h5") if s.steps == PERIOD else None,
-            iterPeriod=PERIOD,
-            label="saving",
-        ),
-    ]
+    at = tmp_path / "at.h5"
+    scene.engines.append(
+        mpm.PyRunner(lambda s: s.steps == PERIOD and s.save(at), iterPeriod=PERIOD, label="saving")
+    )
     run(scene, PERIOD)
     scene.save(tmp_path / "after.h5")
     run(scene, PERIOD)

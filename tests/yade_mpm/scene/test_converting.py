@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import refused
 from setups import chain, withAnyThreads
 from yade_mpm import box
 
@@ -148,10 +149,8 @@ def test_loads_and_drives_of_what_is_converted_are_told():
     body.convert(box((0, 0), (2, 2)), mpm.UGIMP(perCell=1))
     solver = mpm.GridSolver(drive=mpm.Drive(body, velocity=(0, 0)))
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
-    with pytest.raises(
-        ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it is empty"
-    ):
-        scene.run(steps=1, progress=False)
+    told = "Drive: no particle of 'soft' is in the driven part, ... it is empty"
+    refused(told, lambda: scene.run(steps=1, progress=False))
 
 
 def test_a_mesh_without_domains_takes_no_load():

@@ -4,18 +4,10 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from runScenes import oneByOne, throughRun
 from setups import bits
 from yade_mpm.check import limits
 from yade_mpm.scene.policy import LoopPolicy
-
-
-def throughRun(scene, steps):
-    scene.run(steps=steps, progress=False)
-
-
-def oneByOne(scene, steps):
-    for _ in range(steps):
-        scene.step()
 
 
 def inPieces(scene, steps):

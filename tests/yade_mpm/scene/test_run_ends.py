@@ -8,6 +8,7 @@ import pytest
 import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
+from inputs import refused
 from processes import runPython
 from runScenes import process, pulledMesh, smallScene
 from setups import soft
@@ -17,12 +18,10 @@ from yade_mpm import box
 # --- errors -----------------------------------------------------------------------------------------------
 def test_a_particle_that_leaves_the_grid_ends_the_run_and_is_named(capsys):
     scene = smallScene(velocity=(0.0, -20.0))
-    with pytest.raises(
-        RuntimeError,
-        match=r"step \d+: particle \d+ of 'soft' at \(.*\) is outside the grid \(0, 0\) to \(2, 2\); "
-        r"enlarge the grid",
-    ):
-        scene.run(until=1.0)
+    told = (
+        "step ... : particle ... of 'soft' at ( ... ) is outside the grid (0, 0) to (2, 2); enlarge the grid"
+    )
+    refused(told, lambda: scene.run(until=1.0), RuntimeError)
     assert f"the run failed at step {scene.steps}" in capsys.readouterr().err
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # the state is that between two steps
@@ -37,12 +36,10 @@ def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
     scene.dt = 1e-4
     scene.run(steps=3)
     body.vertices[6] += 0.15
-    with pytest.raises(
-        RuntimeError,
-        match=r"step \d: domain of particle 5 in 'mesh' at \(.*\) is (nearly )?inverted .*; use UGIMP there, "
-        r'or APDI\(onDistortion="convert"\)',
-    ):
-        scene.run(steps=5)
+    told = (
+        "domain of particle 5 in 'mesh' at ( ... ) is ... inverted ... ; use UGIMP there, or APDI(onDistort"
+    )
+    refused(told, lambda: scene.run(steps=5), RuntimeError)
     recwarn.clear()
     loaded = mpm.load("yade_mpm.checkpoint.failed.h5")
     assert np.array_equal(loaded["mesh"].vertices, body.vertices)

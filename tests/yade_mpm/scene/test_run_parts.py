@@ -10,6 +10,7 @@ import pytest
 import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
+from inputs import refused
 from runScenes import pulledMesh, smallScene
 from setups import chain, elastic, restarted, soft
 from yade_mpm import box
@@ -99,13 +100,7 @@ def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
     velocity is the mean of their corners'."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme="USL")
     body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(), mpm.APDI(size=0.25))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(body, traction=(1.0, 2.0)),
-        mpm.GridSolver(gravity=(0.0, -9.81)),
-        mpm.GridToParticle(flip=0.0),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(mpm.BoundaryLoad(body, traction=(1.0, 2.0)), flip=0.0, gravity=(0.0, -9.81))
     scene.dt = 1e-4
     before = body.vertices.copy()
     scene.run(steps=1)
@@ -197,12 +192,8 @@ def test_a_folded_domain_leaves_no_piece_without_mass():
 def test_a_domain_turned_inside_out_is_refused_not_converted():
     scene = pulledMesh("convert")
     scene["mesh"].vertices[0] += 0.4  # far beyond the opposite corner's diagonal: the area is negative
-    with pytest.raises(
-        RuntimeError,
-        match=r"step \d: domain of particle 0 in 'mesh' at \(.*\) turned inside out within one step "
-        r"\(-.* of 0.25 m2\): its stress has no meaning and it cannot be converted; lower dt",
-    ):
-        scene.run(steps=1)
+    told = "particle 0 in 'mesh' at ( ... turned inside out within one step (- ... of 0.25 m2): ... lower dt"
+    refused(told, lambda: scene.run(steps=1), RuntimeError)
     assert scene["mesh"].count == 4 and scene["mesh (converted)"].count == 0
 
 
@@ -274,12 +265,7 @@ def test_a_distorted_mesh_settles(scheme):
     )
     scene = mpm.Scene((0, 0), (1, 3), 0.25, scheme=scheme)
     column = scene.add("column", mesh, elastic(1e4), mpm.APDI())
-    scene.engines = [
-        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
-        if isinstance(e, mpm.GridSolver)
-        else e
-        for e in scene.engines
-    ]
+    scene.engines = chain(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
     assert scene.unbalancedForce() > 0.1  # control: gravity has just begun
     scene.settle(tolerance=1e-4, maxSteps=5000)
     error = column.stress[:, 1, 1] + 2.0 * 9.81 * (2.5 - column.reference[:, 1])

@@ -2,12 +2,11 @@
 """The results are the same bits for any number of threads."""
 
 import sys
-from math import radians
 
 import pytest
 import yade_mpm as mpm
 from processes import runPython
-from setups import chain
+from setups import chain, softSoil
 from yade_mpm import box
 from yade_mpm.scene import loop, pace
 
@@ -18,9 +17,7 @@ def hybrid(scheme="MUSL"):
     """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies
     off."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25)
-    )
+    soil = softSoil(cohesion=1.0)
     near = scene.add("near", box((2, 2), (6, 5)), soil, mpm.UGIMP(perCell=3), fbar=True)
     scene.add("floor", box((0, 0), (8, 2)), soil, mpm.APDI(size=0.25, matched=near), fbar=True)
     flying = scene.add(
@@ -42,9 +39,7 @@ def shaken(scheme="MUSL"):
     back."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
     rubber = mpm.NeoHookean(density=1.0, lame=(4e3, 2e3))
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(2e3, 1.5e3), cohesion=5.0, frictionAngle=radians(25)
-    )
+    soil = softSoil(cohesion=5.0)
     first = scene.add("flying", box((1, 3), (2, 4)), soil, mpm.UGIMP(perCell=2))
     second = scene.add("other", box((5, 4), (6.5, 5)), soil, mpm.UGIMP(perCell=2))
     scene.add("floor", box((0, 0), (8, 1.5)), rubber, mpm.APDI(size=0.25, matched=first))
@@ -56,9 +51,7 @@ def shaken(scheme="MUSL"):
 def solid(scheme="MUSL"):
     """The same in 3D, smaller: the mesh keeps its shape functions there."""
     scene = mpm.Scene((0, 0, 0), (3, 3, 6), 0.5, scheme=scheme)
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25)
-    )
+    soil = softSoil(cohesion=1.0)
     scene.add("floor", box((0, 0, 0), (3, 3, 2)), soil, mpm.APDI(size=0.25), fbar=True)
     block = scene.add("block", box((0.5, 0.5, 3), (2.5, 2.5, 4.5)), soil, mpm.UGIMP(perCell=2))
     block.velocity = (0.5, 0.5, -6.0)

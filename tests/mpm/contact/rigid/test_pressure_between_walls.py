@@ -13,7 +13,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain, elastic, restarted
+from setups import chain, elastic, restarted, softSoil
 from yade_mpm import box, rigid
 
 SIDE, PRESSURE = 0.4, 100.0  # m, kPa
@@ -82,14 +82,8 @@ def squeeze(
     """Presses along the last axis, with a slow servo that keeps the pressure along the others. Stress of the
     soil over the strength of Mohr-Coulomb; stress of the walls over that of the soil; the parts of the work
     that nodes do not see, and that came from nowhere."""
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=2.0,
-        young=1e4,
-        poisson=0.3,
-        cohesion=cohesion,
-        frictionAngle=radians(friction),
-        dilatancyAngle=0.0,
-    )
+    strength = dict(cohesion=cohesion, frictionAngle=radians(friction), dilatancyAngle=0.0)
+    soil = softSoil(density=2.0, young=1e4, poisson=0.3, **strength)
     scene, body, contact = squeezed(dim, soil, kind, cell=cell, **options)
     scene.dt = 3e-3 * cell
     scene.engines = chain(contact, damping=0.1)

@@ -6,7 +6,7 @@ work that bringing the pattern about takes."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, softSoil
 
 EDGE = 0.1
 STRONG = 1e9  # kPa: does not yield here
@@ -99,13 +99,8 @@ def test_the_energy_is_half_the_stiffness_and_flat_beyond_the_limit(dim, cohesio
 def bearing(stiffness):
     """Load of a rough footing on APDI clay, kN/m, at a settlement well past yield."""
     scene = mpm.Scene((0, 0), (6, 4), 0.25, threads=1)
-    clay = mpm.MohrCoulombDruckerPrager(
-        density=2.0,
-        lame=(2e3 * stiffness, 1e3 * stiffness),
-        cohesion=5.0,
-        frictionAngle=0.0,
-        dilatancyAngle=0.0,
-    )
+    lame = (2e3 * stiffness, 1e3 * stiffness)
+    clay = softSoil(cohesion=5.0, density=2.0, lame=lame, frictionAngle=0.0, dilatancyAngle=0.0)
     scene.add("clay", mpm.box((0, 0), (6, 3)), clay, mpm.APDI(size=0.25), fbar=True)
     footing = mpm.Hold(mpm.box((-1, 2.95), (1.05, 3.9)), velocity=(0, -0.25), ramp=0.02, name="footing")
     scene.engines = chain(damping=0.5, roller=("left", "right"), fixed="bottom", hold=footing)

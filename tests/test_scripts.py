@@ -6,6 +6,7 @@ import ast
 import importlib
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -210,3 +211,20 @@ def test_pip_installs_what_the_package_imports():
     asked = set(re.findall(r'"([\w-]+)', " ".join(lists)))
     assert {"numpy", "h5py"} <= imported
     assert imported - set(sys.stdlib_module_names) - {"yade", "yade_mpm"} <= asked
+
+
+def test_code_of_an_earlier_commit_that_moved_still_stands_and_what_grew_is_new():
+    """Seven lines then: two of them move into a new function; what `kept` gains is new."""
+    names = runpy.run_path(str(RUN.parent / "standing"))
+    then = "def kept():\n    one = 'first line'\n    return one\n\n\ndef parted(x):\n"
+    then += "    '''Says so.'''\n    first = 'some line of it'\n    second = 'another line'\n    return x\n"
+    now = "def kept():\n    one = 'first line'  # stays\n    two = 'a line more'\n    return one\n\n\n"
+    now += "def parted(x):\n    return helper()\n\n\ndef helper():\n    a = 'new in all respects'\n"
+    now += (
+        "    b = 'new, too'\n    c = 'as well'\n    first = 'some line of it'\n    second = 'another line'\n"
+    )
+    old, new = (names["functions"]({"a.py": text}) for text in (then, now))
+    assert names["standing"](old, old) == (7, 7)
+    assert names["standing"](old, new) == (7, 7)
+    shorter = now.replace("    second = 'another line'\n", "")
+    assert names["standing"](old, names["functions"]({"b.py": shorter})) == (7, 6)

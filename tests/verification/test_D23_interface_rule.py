@@ -40,7 +40,7 @@ def hybrid(edge, axis=0, gap=0.0, coarseElsewhere=None):
 
 @AXES
 def test_an_edge_of_two_cells_at_the_interface_is_refused(axis):
-    place = r"\(2.5, 0.5\)" if axis == 0 else r"\(0.5, 2.5\)"
+    place = "(2.5, 0.5)" if axis == 0 else "(0.5, 2.5)"
     told = f"'meshed' and 'boxes' near {place}: an edge of 1 m is longer than the cell 0.5 m"
     refused(told, lambda: hybrid(2 * H, axis).run(steps=1, progress=False))
 

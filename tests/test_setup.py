@@ -2,7 +2,6 @@
 """scripts/setup: what it says of a build, of a machine without network or rights, of a read-only checkout."""
 
 import os
-import re
 import shutil
 import subprocess
 import tempfile
@@ -11,12 +10,11 @@ from pathlib import Path
 import pytest
 
 SETUP = Path(__file__).parents[1] / "scripts" / "setup"
-FUNCTIONS = "\n".join(re.findall(r"^\w+\(\) \{.*?^\}$|^\w+\(\) \{.*\}$", SETUP.read_text(), re.S | re.M))
 
 
 def call(command, folder, **environment):
     """Runs a command in a shell that knows the functions of scripts/setup."""
-    shell = f"set -euo pipefail\nquiet=yes test=yes yade=no withoutYade=no root=()\n{FUNCTIONS}\n{command}"
+    shell = f". '{SETUP}'\nquiet=yes test=yes yade=no withoutYade=no root=()\n{command}"
     return subprocess.run(
         ["bash", "-c", shell], cwd=folder, capture_output=True, text=True, env={**os.environ, **environment}
     )

@@ -176,6 +176,15 @@ template <int Dim> struct BindScene {
         }
         return all;
     }
+    // Of each body: bulk modulus now and at the end of a step, see ReachedStiffness.
+    static bp::list reachedStiffness(const S& scene, double dt) {
+        bp::list all;
+        for (const auto& body : scene.bodies) {
+            const ReachedStiffness found = mpm::reachedStiffness(scene.grid, *body, dt);
+            all.append(bp::make_tuple(found.now, found.reached));
+        }
+        return all;
+    }
     static bp::dict innerVolumes(const S& scene) {
         const InnerVolumes inner = mpm::innerVolumes(scene);
         bp::dict d;
@@ -267,6 +276,7 @@ template <int Dim> struct BindScene {
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
             .def("presentStiffness", presentStiffness)
+            .def("reachedStiffness", reachedStiffness)
             .def("innerVolumes", innerVolumes)
             .def("nodalTotals", totals)
             .def("nodalEnergy", nodalEnergy<Dim>)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/check/growth.hpp"
 
+#include "mpm/material/FollowingPressure.hpp"
+
 #include <algorithm>
 
 namespace mpm {
@@ -31,6 +33,30 @@ template <int Dim> PresentStiffness presentStiffness(const Grid<Dim>& grid, Body
     return largest;
 }
 
+template <int Dim> ReachedStiffness reachedStiffness(const Grid<Dim>& grid, Body<Dim>& body, double dt) {
+    ReachedStiffness largest;
+    const auto* following = dynamic_cast<const FollowingPressure*>(body.material.get());
+    if (!following) return largest;
+    const auto& particles = body.particles;
+    const Vec<Dim> cell = grid.smallestCell();
+    std::vector<double*> state(particles.state.size());
+    double now[chunkSize], strain[chunkSize];
+    for (int begin = 0; begin < particles.size(); begin += chunkSize) {
+        const int end = std::min(particles.size(), begin + chunkSize);
+        for (int p = begin; p < end; ++p)
+            strain[p - begin] =
+                dt * vectorAt<Dim>(particles.velocity, p).cwiseQuotient(cell).cwiseAbs().maxCoeff();
+        if (!following->findReached(body.points(begin, end, 0, state.data()), now, strain)) return largest;
+        for (int i = 0; i < end - begin; ++i) {
+            largest.now = std::max(largest.now, now[i]);
+            largest.reached = std::max(largest.reached, strain[i]);
+        }
+    }
+    return largest;
+}
+
+template ReachedStiffness reachedStiffness(const Grid<2>& grid, Body<2>& body, double dt);
+template ReachedStiffness reachedStiffness(const Grid<3>& grid, Body<3>& body, double dt);
 template PresentStiffness presentStiffness(const Grid<2>& grid, Body<2>& body);
 template PresentStiffness presentStiffness(const Grid<3>& grid, Body<3>& body);
 

@@ -14,4 +14,13 @@ struct PresentStiffness {
 
 template <int Dim> PresentStiffness presentStiffness(const Grid<Dim>& grid, Body<Dim>& body);
 
+// Of a body whose moduli follow the pressure (FollowingPressure) the largest bulk modulus among the particles, kPa: as they
+// stand, and at most after a step in which a particle that is stopped by its neighbour is strained by its way over the
+// smallest cell. Of others 0.
+struct ReachedStiffness {
+    double now = 0, reached = 0;
+};
+
+template <int Dim> ReachedStiffness reachedStiffness(const Grid<Dim>& grid, Body<Dim>& body, double dt);
+
 } // namespace mpm

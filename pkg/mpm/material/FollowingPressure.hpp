@@ -17,6 +17,10 @@ class FollowingPressure {
     // The stress over k gains a mean stress (kPa) of each particle; change becomes the elastic volumetric strain of that.
     virtual void addMean(const MaterialPoints<2>& points, double* change) const = 0;
     virtual void addMean(const MaterialPoints<3>& points, double* change) const = 0;
+    // Bulk moduli, kPa: of each particle as it stands, and at most once it is strained along one axis by `strain`, whose
+    // place the latter takes. False: they are constant, and nothing is written.
+    virtual bool findReached(const MaterialPoints<2>& points, double* now, double* strain) const = 0;
+    virtual bool findReached(const MaterialPoints<3>& points, double* now, double* strain) const = 0;
 };
 
 } // namespace mpm

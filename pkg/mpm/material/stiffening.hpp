@@ -46,6 +46,12 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public
     void addMean(const MaterialPoints<3>& points, double* change) const override {
         addMeanTo(points, change);
     }
+    bool findReached(const MaterialPoints<2>& points, double* now, double* strain) const override {
+        return reached(points, now, strain);
+    }
+    bool findReached(const MaterialPoints<3>& points, double* now, double* strain) const override {
+        return reached(points, now, strain);
+    }
 
     std::array<double, 2> lame() const override {
         return pressure_.isGiven() ? boundAt(energyForm(), 0, 0) : self().moduli();
@@ -142,6 +148,33 @@ template <class Derived> class StiffeningOf : public MaterialOf<Derived>, public
                          now = form.secant(form.size(mean / k + change[i], J2 / (k * k)));
             setStress(points, i, plusSpherical(now / k * stressOf(points, i), now * change[i]));
             change[i] /= form.bulk;
+        });
+    }
+
+    template <int N> bool reached(const MaterialPoints<N>& points, double* now, double* strain) const {
+        if (this->outside_.empty()) {
+            if (pressure_.isGiven()) findReachedAlike(points, now, strain);
+            return pressure_.isGiven();
+        }
+        Derived its(self());
+        const std::vector<double*> targets = its.targetsOutside();
+        double* const* values = points.state + self().stateVariables().size();
+        std::vector<double*> planes(self().stateVariables().size() + targets.size());
+        for (int i = 0; i < points.count; ++i) {
+            for (size_t k = 0; k < targets.size(); ++k) *targets[k] = values[k][i];
+            its.finish();
+            its.StiffeningOf::findReachedAlike(points.part(i, i + 1, planes), now + i, strain + i);
+        }
+        return true;
+    }
+    // P0 is a norm of the elastic strain: it gains at most that of the strain that is added, and flow takes some away.
+    template <int N>
+    void findReachedAlike(const MaterialPoints<N>& points, double* now, double* strain) const {
+        const PressureEnergy form = energyForm();
+        const double stretched = std::sqrt(form.bulk * (form.bulk + 4.0 / 3 * form.shear));
+        forSizes(points, [&](int i, double P, double) {
+            now[i] = form.bulk * form.tangent(P);
+            strain[i] = form.bulk * form.tangent(form.pressure(form.linear(P) + stretched * strain[i]));
         });
     }
 

@@ -19,6 +19,9 @@ DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 45 steps, take
 DT_LOOK = 50  # steps between looks at how much particles have grown
 DT_LOOK_PRESSED = 5  # where the stiffness of a law follows the stress: an impact makes it tenfold in a step
 DT_EARLY = 100  # steps of such a scene before each of which there is a look
+# Share of the automatic step that suits what moduli of the pressure gain within a step. Blocks of sand that
+# hit a floor then make no energy; with twice of it 1.3 % at 20 m/s.
+DT_GAINED = 0.5
 DT_GROWTH = 1.25  # growth of a volume up to which the share above leaves room
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains
 # Of a cell: what single precision, in which files keep meshes, rounds an edge by 8000 cells from the origin.

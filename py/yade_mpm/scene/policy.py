@@ -39,6 +39,7 @@ class LoopPolicy:
         self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
         self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
         self._isPressed = any(followsStress(body.material) for body in scene.bodies)
+        self._isPressedInSteps = self._isPressed and followsSpeed and scene.stepper.followsPressure
         self.lookPeriod = limits.DT_LOOK_PRESSED if self._isPressed else limits.DT_LOOK
         self._lookAt = _firstAt(scene.steps, self._lookPeriodAt(scene.steps), stride)
         self._saveAt = math.inf if savePeriod is None else time.monotonic() + savePeriod
@@ -149,8 +150,10 @@ class LoopPolicy:
         self._warnOnce(faults)
 
     def _lookPeriodAt(self, steps):
-        """Steps between looks at growth: a scene without stress is stiffer by far after each of its first."""
-        return 1 if self._isPressed and steps < limits.DT_EARLY else self.lookPeriod
+        """Steps between looks at growth: a scene without stress is stiffer by far after each of its first,
+        and a step that follows the pressure is found for each."""
+        isEarly = self._isPressed and steps < limits.DT_EARLY
+        return 1 if isEarly or self._isPressedInSteps else self.lookPeriod
 
     def _warnOnce(self, faults):
         """Says each fault that is one, as a dict of texts or None, once in the life of the scene."""

@@ -208,9 +208,29 @@ class TimeStep:
         rate = np.max(speeds / np.array(scene.cell)) if speeds else 0.0
         return limits.DT_CELLS / rate if rate > 0 else math.inf
 
+    def pressedDt(self, longest):
+        """A step up to `longest` (s) at whose end moduli that follow the pressure are not too stiff for it.
+
+        What a modulus gains within a step, over what it is, allows for DT_GAINED of the automatic step, as
+        the root of the ratio.
+        """
+        dt, good = longest, limits.DT_GAINED * self.automaticDt
+        while any((to / now - 1) * dt**2 > good**2 for now, to in self._reached(dt)):
+            dt *= 0.9
+        return dt
+
+    def _reached(self, dt):
+        """Of bodies whose moduli follow the pressure the bulk modulus now and after a step, kPa."""
+        return [pair for pair in self._scene._core.reachedStiffness(dt) if pair[0] > 0]
+
+    @property
+    def followsPressure(self):
+        """Whether a step makes bodies stiffer in a way that is known in advance."""
+        return bool(self._reached(0.0))
+
     def followSpeed(self):
-        """Steps by the automatic step, or a shorter one that suits the speed."""
-        self.dt = min(self.automaticDt, self.speedDt())
+        """Steps by the automatic step, or a shorter one that suits the speed and what is pressed in it."""
+        self.dt = self.pressedDt(min(self.automaticDt, self.speedDt()))
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""

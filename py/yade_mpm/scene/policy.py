@@ -8,6 +8,7 @@ import numpy as np
 
 from ..check import domains, limits
 from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind
+from ..check.touching import squeezed
 from ..engine.callback import Callback
 from ..engine.engine import NO_CALL
 from ..engine.gridSolver import GridSolver
@@ -133,8 +134,8 @@ class LoopPolicy:
                 raise RuntimeError(f"step {self._scene.steps}: {error}") from error
 
     def lookAtDomains(self, longest):
-        """Warns, once each, of long edges beside uGIMP, of distorted domains, of bodies that lock or opened,
-        of meshes that flow.
+        """Warns, once each, of long edges beside uGIMP, of distorted domains, of soil between two bodies, of
+        bodies that lock or opened, of meshes that flow.
 
         Parameters
         ----------
@@ -142,6 +143,7 @@ class LoopPolicy:
         """
         scene = self._scene
         faults = {"interface": checkInterface(scene, longest), "distortion": distortion(scene)}
+        faults["narrow"] = squeezed(scene)
         for body in scene.bodies:
             looks = {"locking": domains.locking, "opening": domains.opened, "flow": domains.flowing}
             faults |= {f"{what} of {body.name}": look(body) for what, look in looks.items()}

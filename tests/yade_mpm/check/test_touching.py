@@ -6,6 +6,7 @@ import yade_mpm as mpm
 from inputs import warningsOf
 from setups import chain
 from yade_mpm import box
+from yade_mpm.check.touching import squeezed
 
 MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
 
@@ -100,3 +101,34 @@ def test_a_thin_beam_is_to_be_given_a_thickness(thickness, beside, enough):
     scene.contact(wall, soil)
     (text,) = warningsOf(lambda: scene.run(steps=1, progress=False), "Contact: 'wall'")
     assert text.endswith(f"give its Beam thickness={enough}, which does not change how it bends")
+
+
+def bars(gap, soil=True, sharedCells=True, dim=2):
+    """What a look in a run finds about two bars, `gap` m apart, in soil with cells of 0.5 m."""
+
+    def block(lower, upper):
+        return box(lower, upper) if dim == 2 else box((*lower, 0), (*upper, 1))
+
+    upper = (6, 5) if dim == 2 else (6, 5, 1)
+    scene = mpm.Scene((0,) * dim, upper, 0.5, threads=1)
+    elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
+    left, right = block((1, 1), (2, 3)), block((2 + gap, 1), (5, 3))
+    if soil:
+        ground = block((0, 0), (6, 4)) - left - right
+        scene.add("soil", ground, elastic, BOXES, group="soil", fbar=True)
+    for name, shape in (("left", left), ("right", right)):
+        scene.add(name, shape, elastic, MESH, group=name)
+    scene.engines = chain(contact=mpm.Contact(sharedCells=sharedCells))
+    return squeezed(scene)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_soil_between_two_bodies_less_than_three_cells_apart_is_warned_of(dim):
+    text = bars(1.0, dim=dim)
+    assert text.startswith("Contact: 'left' and 'right' are 1 m apart at (2.5, ")
+    assert "less than three cells of 0.5 m, with soil between them" in text
+    assert text.endswith("give cells of 0.333 m at most")
+    assert bars(1.5, dim=dim) is None  # control: three cells
+    assert bars(1.0, dim=dim, soil=False) is None
+    assert bars(1.0, dim=dim, sharedCells=False) is None
+    assert bars(0.0, dim=dim) is None  # nothing between them

@@ -78,7 +78,7 @@ class Incline:
         self.scene.engines = chain(
             contact=self.contact, gravity=self.gravity(0), damping=0.7, fixed=["bottom"]
         )
-        self.solver = self.scene.engines[1]
+        self.solver = next(e for e in self.scene.engines if isinstance(e, mpm.GridSolver))
         run(self.scene, until=0.08)
         for body in self.scene.bodies:
             body.velocity[...] = 0

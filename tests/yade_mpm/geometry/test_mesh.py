@@ -62,9 +62,7 @@ def test_cell_is_there_if_its_centre_is_inside():
 
 
 def test_mesh_of_a_region_that_does_not_fit_is_refused():
-    told = (
-        "'soil': edge x = 1.1 is not a multiple of the spacing 0.5 ... the body whose place is left out there"
-    )
+    told = "'soil': edge x = 1.1 is not a multiple of the spacing 0.5 ... move it to 1 or 1.5"
     refused(told, lambda: meshRegion(box((0, 0), (1.1, 1)), (0, 0), (4, 4), 0.5, "soil"))
 
 

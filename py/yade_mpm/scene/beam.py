@@ -13,6 +13,7 @@ from ..geometry.numbers import numbers, placeText, vector
 from ..geometry.regions import polygon, prism
 from ..material.materials import classes as materials
 from ..particle.types import classes as types
+from .nodes import onLinesBetween
 
 ALONG = 2  # domains between two fibres, as in Beam.hpp
 PER_CELL = (
@@ -61,7 +62,8 @@ class Beam:
     poisson : in 3D, Poisson's ratio, the root of the product of those of both directions; default 0.
     EIWidth, EAWidth : kN m2/m, kN/m, in 3D, stiffness along the width (small for sheet piles); default None:
         EI, EA.
-    size : m, between cross-sections, one to two cells; default: a cell.
+    size : m, between cross-sections, one to two cells; default: a cell, along an axis from line to line of
+        the grid.
 
     `region` is the place that it takes; of a line, once it is in a scene: add it before the ground. Its mass
     is spread over the thickness of the mesh. The particles hold the forces per metre: `normalForce`,
@@ -211,6 +213,10 @@ class Beam:
             cells = scene.cellSizeAt(middle).max(axis=1)
             self._checkSize(name, start, length, cells.min(), cells.max())
             passed = np.cumsum([0, *(length / SAMPLES / (self.size or cells) * np.ones(SAMPLES))])
+            isFree = not self.size and not longer[k : k + 2].any()
+            if isFree and (onLines := onLinesBetween(scene, start, end)) is not None:
+                parts.append(np.concatenate((onLines, end[None])))
+                continue
             first, last = self._shares(longer[k : k + 2], cells[[0, -1]])
             n = max(1, int(passed[-1] - first - last + MISSED))
             between = first + np.arange(1, n) / n * (passed[-1] - first - last)

@@ -11,6 +11,7 @@ from ..base.wording import didYouMean, shown
 from ..engine.prescribed import FACES
 from ..geometry.region import Region
 
+ROUND_OFF = 1e-6  # of lengths
 GHOSTS = 2  # layers of nodes outside of the grid, on the lower side of each axis
 
 
@@ -44,6 +45,29 @@ def cellSizeAt(scene, points: ArrayLike) -> np.ndarray:
         above = np.searchsorted(x[1:-1], points[:, k], "right")  # the line above it, but for the last cell
         sizes[:, k] = x[above + 1] - x[above]
     return sizes
+
+
+def onLinesBetween(scene, start, end):
+    """Points (N, dim), m, where a line along an axis, with an end between lines of the grid, crosses these,
+    a cell or more from both ends; None where there are none, and for other lines and cells that differ.
+
+    Nodes half-way between two of a body's cross-sections would move as it does not feel.
+    """
+    along = np.abs(end - start)
+    k = int(np.argmax(along))
+    if np.delete(along, k).max() > ROUND_OFF * along[k]:
+        return None
+    x, (low, high) = scene.lines[k], np.sort([start[k], end[k]])
+    ends = np.array([np.abs(x - place).min() for place in (low, high)])
+    between = x[(x > low) & (x < high)]
+    points = np.repeat(start[None], len(between), axis=0)
+    points[:, k] = between if end[k] > start[k] else between[::-1]
+    sizes = cellSizeAt(scene, np.concatenate((start[None], points, end[None])))
+    if ends.max() <= ROUND_OFF * along[k] or sizes.max(axis=1).max() > (1 + ROUND_OFF) * sizes[:, k].min():
+        return None
+    away = np.minimum(points[:, k] - low, high - points[:, k])
+    isFar = away >= (1 - ROUND_OFF) * sizes[1:-1, k]
+    return points[isFar] if isFar.any() else None
 
 
 @takes(face=TEXT)

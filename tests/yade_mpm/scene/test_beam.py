@@ -133,6 +133,32 @@ def test_sections_are_as_far_apart_as_the_lines_of_a_graded_grid():
     assert found == pytest.approx(lines, abs=0.02)
 
 
+@pytest.mark.parametrize("ends, second", [((0.6, 4.4), 1.0), ((4.4, 0.6), 1.0), ((0.5, 4.4), 0.75)])
+def test_sections_between_the_ends_stand_on_lines_of_the_grid(ends, second):
+    made = mpm.Scene((0, 0), (4, 6), 0.25)
+    wall = made.add("wall", mpm.Beam([(2, ends[0]), (2, ends[1])], **SECTION))
+    found = np.sort(np.abs(mpm.sectionForces(wall).s))
+    assert found == pytest.approx([min(ends), *np.arange(second, 4.01, 0.25), 4.4])
+
+
+@pytest.mark.parametrize("toe", [1.0, 1.25])  # m: on a line of the grid, in mid-cell
+def test_a_light_wall_beside_soil_with_fbar_stays_with_it_wherever_its_toe_lies(toe):
+    """Soil below the toe throws it up at 0.2 m/s; sections in mid-cell shook with 1 m/s and more."""
+    made = mpm.Scene((0, 0), (5, 7), 0.5, gravity=9.81, damping=0.5, threads=1)
+    made.roller("left", "right", "bottom")
+    sheet = mpm.Beam([(2.75, toe), (2.75, 6.5)], EI=7e4, EA=3.2e6, weight=0.118, thickness=1)
+    law = mpm.LinearElastic(density=1.83, young=3e4, poisson=0.3)
+    soil = made.add("soil", box((0, 0), (5, 6)) - sheet.region, law, mpm.UGIMP(), fbar=True)
+    wall = made.add("wall", sheet)
+    made.contact(wall, soil)
+    made.initialStress(surface=6, K0=0.5, bodies=[soil])
+    made.dt, fastest = 1.1e-3, []
+    for _ in range(6):
+        made.run(steps=5, progress=False)
+        fastest.append(np.abs(wall.velocity).max())
+    assert max(fastest) < 0.25 and fastest[-1] < 0.15
+
+
 def test_the_energy_of_a_beam_of_three_cells_balances():
     """A cantilever that falls; forces of rows that a tie does not have were what memory held, and nan."""
     made = mpm.Scene((0, 0), (6, 4), 0.25, gravity=9.81, threads=1)

@@ -75,6 +75,7 @@ STATES = {
         "bodyWork",
         "soilWork",
         "longestStep",
+        "lightest",
         "shapes",
         "heightFields",
         "heights",

@@ -246,6 +246,8 @@ class Stepper(TimeStep, Guarded):
     def advanceShort(self, dt):
         """Takes one step that is shorter than the others, s."""
         self._fullDt, self.dt = self.dt, dt
+        for contact in (e for e in self._scene.engines if type(e).__name__ == "RigidContact"):
+            contact._core.set("longestStep", max(contact.longestStep, self._fullDt))
         try:
             self.advance(1)
         finally:

@@ -167,6 +167,7 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     forgetRenumbered(scene);
     cutHistory(scene, points, history);
     remember(contacts, history);
+    keepForces(points, softer_, contacts);
     fitNewBoxes(scene, points, shape_, known, softness(), contacts);
     std::get<MappedVelocities<Dim>>(step_->velocities).begin(scene);
     forces.fill(0);

@@ -58,6 +58,7 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, publ
     double stiffness = notGiven, stiffnessFactor = 0.3, shearRatio = 0.8, normalDamping = 0;
     double frictionWork = 0, bodyWork = 0, soilWork = 0; // kJ, since the start
     double longestStep = 0;                              // s, so far
+    double lightest = 0;                                 // Mg/m2, m/A of the lightest point in the last step
     std::string normalLaw = "penalty";
     double hertzOverlap = notGiven;
     bool checkBalance = false;
@@ -120,6 +121,7 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, publ
     std::shared_ptr<Step> step_;
     std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
     std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
+    std::vector<double> softer_;        // by which factor it falls in this step, for what is lighter is new
     std::vector<int> ownPair_;          // of each rigid body with each of the scene: row of pairs, or -1
     NearContacts near_;
     std::vector<RigidContactPoint> contacts_; // of this step; keeps its memory
@@ -133,8 +135,8 @@ class RigidContact : public EngineOf<RigidContact>, public PressingOnBoxes, publ
     double overlapFelt(double overlap) const;
     double storedBy(double overlap) const;
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
-    template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
-    template <int Dim> void softenForLightBodies(const Points<Dim>& points);
+    double chooseStiffness(double dt) const;
+    template <int Dim> void softenForLightBodies(const Points<Dim>& points, double before);
     template <int Dim> void setPenalty(const Scene<Dim>& scene, const Points<Dim>& points);
     std::vector<int> particlesBefore() const;
     std::vector<Softness> softness() const;

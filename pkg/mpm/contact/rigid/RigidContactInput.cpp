@@ -77,6 +77,7 @@ std::vector<Parameter> RigidContact::attributes() {
          "friction and to the springs of the contacts.",
          &soilWork},
         {"longestStep", "s", "Longest step so far, by which the stiffness is chosen.", &longestStep},
+        {"lightest", "Mg/m2", "Mass over area of the lightest point in the last step, likewise.", &lightest},
         {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
         {"heightFields", "", "Rasters of the height fields, a row each; made by addBody.",
          recordsOf(heightFields)},

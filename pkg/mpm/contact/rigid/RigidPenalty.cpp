@@ -33,31 +33,29 @@ double RigidContact::storedBy(double overlap) const {
 // inequality the nodes see no higher frequency than the points
 // alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times
 // 1/(1 - l/h) + 4 l/h, which is the largest sum w_i^2/phi_i: a face just beyond a line of the grid.
-template <int Dim>
-double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const {
-    double least = anyMass;
-    for (auto& p : points)
-        if (p.count() > 0) least = std::min(least, p.massPerArea());
-    if (std::isnan(stiffness)) return stiffnessFactor * least / (longestStep * longestStep);
-    const double most = least / (scene.dt * scene.dt);
+double RigidContact::chooseStiffness(double dt) const {
+    if (std::isnan(stiffness)) return stiffnessFactor * lightest / (longestStep * longestStep);
+    const double most = lightest / (dt * dt);
     require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ",
-            most, " for dt = ", scene.dt, " s, or lower dt");
+            most, " for dt = ", dt, " s, or lower dt");
     return stiffness;
 }
 
 // A body of mass M that is touched on the area A answers with kappa A/M, which dt has to resolve as it does the
-// points' own kappa/(m/A): a sphere lighter than a box would leave faster than it came.
-template <int Dim> void RigidContact::softenForLightBodies(const Points<Dim>& points) {
+// points' own kappa/(m/A): a sphere lighter than a box would leave faster than it came. before: kPa/m, what
+// the stiffness was before what is new.
+template <int Dim> void RigidContact::softenForLightBodies(const Points<Dim>& points, double before) {
     double onePoint = 0;
     for (auto& p : points)
         if (p.count() > 0) onePoint = std::max(onePoint, p.largestArea());
     bodyStiffness_.resize(bodies());
+    softer_.resize(bodies());
     for (int b = 0; b < bodies(); ++b) {
-        bodyStiffness_[b] = stiffnessUsed;
-        if (!(masses[b] > 0)) continue;
-        const double massPerArea = masses[b] / std::max(area_[b], onePoint);
-        bodyStiffness_[b] =
-            std::min(stiffnessUsed, stiffnessFactor * massPerArea / (longestStep * longestStep));
+        double most = std::numeric_limits<double>::infinity();
+        if (masses[b] > 0)
+            most = stiffnessFactor * masses[b] / (std::max(area_[b], onePoint) * longestStep * longestStep);
+        bodyStiffness_[b] = std::min(stiffnessUsed, most);
+        softer_[b] = std::max(1.0, std::min(before, most) / bodyStiffness_[b]);
     }
 }
 
@@ -83,10 +81,16 @@ void RigidContact::takePenalty(const Scene<Dim>& scene, const BodyPoints<Dim>& p
 
 // For the points as they are in this step.
 template <int Dim> void RigidContact::setPenalty(const Scene<Dim>& scene, const Points<Dim>& points) {
+    softer_.clear();
     if (!isSoft()) return;
+    const double before = lightest;
     longestStep = std::max(longestStep, scene.dt);
-    stiffnessUsed = chooseStiffness(scene, points);
-    softenForLightBodies(points);
+    lightest = anyMass;
+    for (auto& p : points)
+        if (p.count() > 0) lightest = std::min(lightest, p.massPerArea());
+    stiffnessUsed = chooseStiffness(scene.dt);
+    const bool keepsForces = std::isnan(stiffness) && normalLaw == "penalty";
+    softenForLightBodies(points, keepsForces ? stiffnessUsed * std::max(1.0, before / lightest) : 0.0);
     softTo_ = normalLaw != "Hertz"       ? 0
               : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
                                          : hertzOverlap;

@@ -160,6 +160,17 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
 }
 
 template <int Dim>
+void keepForces(const std::vector<BodyPoints<Dim>>& points, const std::vector<double>& softer,
+                std::vector<RigidContactPoint>& contacts) {
+    for (RigidContactPoint& c : contacts) {
+        const double half = points[c.soil].halfAlong(c.normal);
+        if (softer.empty() || softer[c.body] == 1 || !c.isOld() || half == 0) continue;
+        c.stretch += (softer[c.body] - 1) * std::max(0.0, -c.gapBefore) / half;
+        c.slip *= softer[c.body];
+    }
+}
+
+template <int Dim>
 void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                 std::vector<RigidContactPoint>& history) {
     const auto give = [&](RigidContactPoint& half, const Vec<Dim>& offset) {
@@ -203,8 +214,9 @@ void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
         const double half = points[c.soil].halfAlong(c.normal);
         if (c.isKnown || c.gap >= touches || half == 0) continue;
         const bool isNewBody = c.soil >= int(known.size());
-        const bool isNew =
-            isNewBody ? shapes[c.shape].kind == RigidShape::HeightField : c.id >= known[c.soil] || isHalf(c);
+        const bool isOnSprings = std::abs(c.gap) < touches && softness[c.body].normal > 0;
+        const bool isOnGround = shapes[c.shape].kind == RigidShape::HeightField || isOnSprings;
+        const bool isNew = isNewBody ? isOnGround : c.id >= known[c.soil] || isHalf(c);
         if (!isNew) continue;
         c.stretch = std::max(0.0, 1 + c.gap / half);
         c.isKnown = true;
@@ -240,6 +252,10 @@ template void NearContacts::find(const Scene<2>&, const std::vector<BodyPoints<2
 template void NearContacts::find(const Scene<3>&, const std::vector<BodyPoints<3>>&,
                                  const std::vector<RigidShape>&, const std::vector<RigidState>&,
                                  std::vector<RigidContactPoint>&);
+template void keepForces(const std::vector<BodyPoints<2>>&, const std::vector<double>&,
+                         std::vector<RigidContactPoint>&);
+template void keepForces(const std::vector<BodyPoints<3>>&, const std::vector<double>&,
+                         std::vector<RigidContactPoint>&);
 template void cutHistory(const Scene<2>&, const std::vector<BodyPoints<2>>&, std::vector<RigidContactPoint>&);
 template void cutHistory(const Scene<3>&, const std::vector<BodyPoints<3>>&, std::vector<RigidContactPoint>&);
 template void fitNewBoxes(const Scene<2>&, const std::vector<BodyPoints<2>>&, const std::vector<RigidShape>&,

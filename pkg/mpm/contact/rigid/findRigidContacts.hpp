@@ -56,15 +56,22 @@ template <int Dim>
 void cutHistory(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                 std::vector<RigidContactPoint>& history);
 
+// Boxes keep the forces of their springs where these become softer by a factor, of each rigid body (none: 1),
+// for what is lighter has come into the scene: what rests elsewhere would drop.
+template <int Dim>
+void keepForces(const std::vector<BodyPoints<Dim>>& points, const std::vector<double>& softer,
+                std::vector<RigidContactPoint>& contacts);
+
 // How much a spring gives way under 1 kPa: along the normal and across it. Zero: there are none.
 struct Softness {
     double normal = 0, shear = 0; // m/kPa
 };
 
 // Boxes that are new are as thick as fits, so that they start without overlap: both halves of one that was cut
-// before it was in touch, pieces of a mesh, and boxes of a new body on ground, which its region was cut to.
-// These start with the overlap and the slip that hold the stress they were given: what lies in equilibrium
-// does not drop. known: particles of each body in the step before. softness: of each rigid body.
+// before it was in touch, pieces of a mesh, and boxes of a new body on ground, which its region was cut to, or
+// flush with any shape. The latter start with the overlap and the slip that hold the stress they were given:
+// what lies in equilibrium does not drop. known: particles of each body in the step before. softness: of each
+// rigid body.
 template <int Dim>
 void fitNewBoxes(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                  const std::vector<RigidShape>& shapes, const std::vector<int>& known,

@@ -104,8 +104,7 @@ def _walls(scene, body):
     them that are less than two cells apart, and the numbers of these two."""
     from scipy.spatial import cKDTree
 
-    mesh = body.mesh if body.mesh is not None else Mesh(body.vertices, body.cells)
-    corners = body.vertices[boundaryFacets(mesh)[0]]
+    corners = _facets(body)
     if body.scene.dim == 2:
         along = corners[:, 1] - corners[:, 0]
         normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
@@ -132,8 +131,8 @@ def squeezed(scene):
     sharesCells = any(isinstance(e, Contact) and e.sharedCells and not e.dead for e in scene.engines)
     if not (soils and sharesCells):
         return None
-    bodies = [b for b in scene.bodies if b.count and b.cells is not None]
-    bodies = [b for b in bodies if b.group not in {soil.group for soil in soils}]
+    ofSoil = {soil.group for soil in soils}
+    bodies = [b for b in scene.bodies if b.count and b.cells is not None and b.group not in ofSoil]
     surfaces = {body.name: _surfacePoints(body) for body in bodies if len(bodies) > 1}
     widest = NARROW * scene.cellSizeAt(np.concatenate([*surfaces.values()])).max() if surfaces else 0.0
     for a, b in combinations(bodies, 2):
@@ -153,14 +152,18 @@ def squeezed(scene):
                 f"Contact: '{a.name}' and '{b.name}' are {width[worst]:.3g} m apart at {place}, less than "
                 f"three cells of {cell[worst]:.3g} m, with soil between them: if it flows there it does not "
                 "keep its pressure (171 to 295 of 200 kPa in a closed box where two bars pass each other one "
-                "cell apart); give cells of "
-                f"{width[worst] / NARROW:.3g} m at most"
+                f"cell apart); give cells of {width[worst] / NARROW:.3g} m at most"
             )
     return None
 
 
 def _surfacePoints(body):
     """Corners and middles of the facets of a mesh, (N, dim), m."""
-    mesh = body.mesh if body.mesh is not None else Mesh(body.vertices, body.cells)
-    corners = body.vertices[boundaryFacets(mesh)[0]]
+    corners = _facets(body)
     return np.concatenate([corners.reshape(-1, corners.shape[-1]), corners.mean(axis=1)])
+
+
+def _facets(body):
+    """Corners of the facets of a mesh, (N, corners, dim), m."""
+    mesh = body.mesh if body.mesh is not None else Mesh(body.vertices, body.cells)
+    return body.vertices[boundaryFacets(mesh)[0]]
